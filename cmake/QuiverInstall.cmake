@@ -1,0 +1,1 @@
+# Installation: headers, library, package configuration.

@@ -1,0 +1,88 @@
+#include <quiver/core/util/parallel.h>
+
+#include <atomic>
+#include <exception>
+#include <thread>
+#include <vector>
+
+#ifdef QUIVER_OPENMP
+#  include <omp.h>
+#endif
+
+namespace quiver {
+namespace {
+
+/// Keeps the first exception of a loop; later tasks are skipped.
+class FirstException {
+ public:
+  bool raised() const { return raised_.load(std::memory_order_relaxed); }
+  void capture() {
+    if (!raised_.exchange(true)) exception_ = std::current_exception();
+  }
+  void rethrow() {
+    if (exception_) std::rethrow_exception(exception_);
+  }
+
+ private:
+  std::atomic<bool> raised_{false};
+  std::exception_ptr exception_;
+};
+
+#ifndef QUIVER_OPENMP
+thread_local bool insideLoop = false;
+#endif
+
+bool nested() {
+#ifdef QUIVER_OPENMP
+  return omp_in_parallel() != 0;
+#else
+  return insideLoop;
+#endif
+}
+
+}  // namespace
+
+int hardwareThreads() {
+#ifdef QUIVER_OPENMP
+  return omp_get_max_threads();
+#else
+  const unsigned count = std::thread::hardware_concurrency();
+  return count == 0 ? 1 : static_cast<int>(count);
+#endif
+}
+
+void parallelFor(std::int64_t count, int threads, FunctionRef<void(std::int64_t)> task) {
+  if (threads > count) threads = static_cast<int>(count);
+  if (threads <= 1 || nested()) {
+    for (std::int64_t i = 0; i < count; ++i) task(i);
+    return;
+  }
+  FirstException first;
+  const auto guarded = [&](std::int64_t i) {
+    if (first.raised()) return;
+    try {
+      task(i);
+    } catch (...) {
+      first.capture();
+    }
+  };
+#ifdef QUIVER_OPENMP
+#  pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
+  for (std::int64_t i = 0; i < count; ++i) guarded(i);
+#else
+  std::atomic<std::int64_t> next{0};
+  const auto work = [&] {
+    insideLoop = true;
+    for (std::int64_t i = next.fetch_add(1); i < count; i = next.fetch_add(1)) guarded(i);
+    insideLoop = false;
+  };
+  std::vector<std::thread> others;
+  others.reserve(static_cast<std::size_t>(threads) - 1);
+  for (int t = 1; t < threads; ++t) others.emplace_back(work);
+  work();
+  for (std::thread& thread : others) thread.join();
+#endif
+  first.rethrow();
+}
+
+}  // namespace quiver
