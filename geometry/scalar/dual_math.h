@@ -1,0 +1,154 @@
+#pragma once
+
+/// \file
+/// Elementary functions of dual numbers, over double and over lanes.
+///
+/// Where the true derivative is infinite or undefined the gradient is zero instead of NaN, so that one degenerate
+/// measurement does not poison a system: sqrt at 0 (hence norm() of a zero vector has gradient zero), atan2 at (0, 0),
+/// asin and acos at +-1, abs at 0 (slope +1).
+
+#include <quiver/geometry/scalar/dual.h>
+#include <quiver/geometry/scalar/lanes_math.h>
+#include <cmath>
+
+namespace quiver {
+
+namespace detail {
+/// numerator / denominator, and 0 where the denominator is 0.
+template <class T>
+inline T quotientOrZero(const T& numerator, const T& denominator) {
+  const auto usable = abs(denominator) > T(0.0);
+  return select(usable, numerator / select(usable, denominator, T(1.0)), T(0.0));
+}
+inline double quotientOrZero(double numerator, double denominator) {
+  return denominator != 0.0 ? numerator / denominator : 0.0;
+}
+}  // namespace detail
+
+template <class T, int N>
+inline Dual<T, N> sqrt(const Dual<T, N>& x) {
+  using std::sqrt;
+  const T root = sqrt(x.value);
+  return x.scaled(root, detail::quotientOrZero(T(0.5), root));
+}
+
+template <class T, int N>
+inline Dual<T, N> abs(const Dual<T, N>& x) {
+  return select(x.value < T(0.0), -x, x);
+}
+
+template <class T, int N>
+inline SinCos<Dual<T, N>> sincos(const Dual<T, N>& x) {
+  const SinCos<T> both = sincos(x.value);
+  return {x.scaled(both.sine, both.cosine), x.scaled(both.cosine, -both.sine)};
+}
+
+template <class T, int N>
+inline Dual<T, N> sin(const Dual<T, N>& x) {
+  return sincos(x).sine;
+}
+
+template <class T, int N>
+inline Dual<T, N> cos(const Dual<T, N>& x) {
+  return sincos(x).cosine;
+}
+
+template <class T, int N>
+inline Dual<T, N> tan(const Dual<T, N>& x) {
+  using std::tan;
+  const T t = tan(x.value);
+  return x.scaled(t, T(1.0) + t * t);
+}
+
+template <class T, int N>
+inline Dual<T, N> atan2(const Dual<T, N>& y, const Dual<T, N>& x) {
+  using std::atan2;
+  const T squared = x.value * x.value + y.value * y.value;
+  const T alongY = detail::quotientOrZero(x.value, squared);
+  const T alongX = detail::quotientOrZero(-y.value, squared);
+  Dual<T, N> r;
+  r.value = atan2(y.value, x.value);
+  QUIVER_UNROLL for (int i = 0; i < N; ++i) r.gradient[i] = alongY * y.gradient[i] + alongX * x.gradient[i];
+  return r;
+}
+
+template <class T, int N>
+inline Dual<T, N> atan(const Dual<T, N>& x) {
+  using std::atan;
+  return x.scaled(atan(x.value), T(1.0) / (T(1.0) + x.value * x.value));
+}
+
+template <class T, int N>
+inline Dual<T, N> asin(const Dual<T, N>& x) {
+  using std::asin, std::sqrt;
+  return x.scaled(asin(x.value), detail::quotientOrZero(T(1.0), sqrt((T(1.0) - x.value) * (T(1.0) + x.value))));
+}
+
+template <class T, int N>
+inline Dual<T, N> acos(const Dual<T, N>& x) {
+  using std::acos, std::sqrt;
+  return x.scaled(acos(x.value), detail::quotientOrZero(T(-1.0), sqrt((T(1.0) - x.value) * (T(1.0) + x.value))));
+}
+
+template <class T, int N>
+inline Dual<T, N> exp(const Dual<T, N>& x) {
+  using std::exp;
+  const T e = exp(x.value);
+  return x.scaled(e, e);
+}
+
+template <class T, int N>
+inline Dual<T, N> log(const Dual<T, N>& x) {
+  using std::log;
+  return x.scaled(log(x.value), T(1.0) / x.value);
+}
+
+/// x to a constant power; the gradient at x = 0 is 0.
+template <class T, int N>
+inline Dual<T, N> pow(const Dual<T, N>& x, double exponent) {
+  using std::pow;
+  const T p = pow(x.value, exponent);
+  return x.scaled(p, detail::quotientOrZero(T(exponent) * p, x.value));
+}
+
+template <class T, int N>
+inline Dual<T, N> pow(const Dual<T, N>& x, const Dual<T, N>& exponent) {
+  return exp(exponent * log(x));
+}
+
+template <class T, int N>
+inline Dual<T, N> fma(const Dual<T, N>& a, const Dual<T, N>& b, const Dual<T, N>& c) {
+  return a * b + c;
+}
+
+/// |magnitude| with the sign of the value of `sign`, which is held constant.
+template <class T, int N>
+inline Dual<T, N> copysign(const Dual<T, N>& magnitude, const Dual<T, N>& sign) {
+  using std::copysign;
+  const T one = copysign(T(1.0), sign.value);
+  return abs(magnitude) * one;
+}
+
+/// Steps: derivatives are zero.
+template <class T, int N>
+inline Dual<T, N> floor(const Dual<T, N>& x) {
+  using std::floor;
+  return Dual<T, N>(floor(x.value));
+}
+
+template <class T, int N>
+inline Dual<T, N> rint(const Dual<T, N>& x) {
+  using std::rint;
+  return Dual<T, N>(rint(x.value));
+}
+
+/// Whether the value and every derivative are finite.
+template <class T, int N>
+inline auto isfinite(const Dual<T, N>& x) {
+  using std::isfinite;
+  MaskOf<T> all = isfinite(x.value);
+  QUIVER_UNROLL for (int i = 0; i < N; ++i) all = all && isfinite(x.gradient[i]);
+  return all;
+}
+
+}  // namespace quiver
