@@ -8,6 +8,7 @@
 
 #include <quiver/core/util/stop_condition.h>
 #include <quiver/solvers/block/block_matrix.h>
+#include <quiver/solvers/block/ordering.h>
 
 namespace quiver {
 
@@ -28,7 +29,8 @@ struct SolverStatus {
 struct FactorStatistics {
   /// Scalars of the factor L, padding not counted.
   std::int64_t nonzeros = 0;
-  /// Multiplications and additions of L's computation, padding not counted: Σ over scalar columns of c², c entries each.
+  /// Multiplications and additions of L's computation, padding not counted: Σ over scalar columns of c², c entries
+  /// each.
   double flops = 0.0;
   /// Bytes the solver holds for the factor and its work space.
   std::int64_t bytes = 0;
@@ -36,18 +38,12 @@ struct FactorStatistics {
   int iterations = 0;
 };
 
-/// An elimination order and its reason.
-struct BlockOrdering {
-  /// order[i] is the block that is eliminated i-th.
-  std::vector<int> order;
-  /// "amd", "metis", "natural", …
-  std::string name;
-};
-
-/// Solves (H + diag(damping)) x = b for a symmetric positive definite block-sparse H; structure once, numbers many times.
+/// Solves (H + diag(damping)) x = b for a symmetric positive definite block-sparse H; structure once, numbers many
+/// times.
 ///
-/// The caller permutes: it asks `order`, lays H out in that order, and calls everything else in it. Not thread safe; one object serves
-/// one system. What a solver computes has the same bits for any `threads` unless its documentation says otherwise.
+/// The caller permutes: it asks `order`, lays H out in that order, and calls everything else in it. Not thread safe;
+/// one object serves one system. What a solver computes has the same bits for any `threads` unless its documentation
+/// says otherwise.
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
@@ -58,11 +54,12 @@ class LinearSolver {
   /// The elimination order this solver wants for a pattern in natural order. Pure. The default is the natural order.
   virtual BlockOrdering order(const BlockPattern& pattern) const;
 
-  /// Prepares for matrices of this pattern (already in elimination order). After it `factorize` and `solve` do not allocate.
+  /// Prepares for matrices of this pattern (already in elimination order). After it `factorize` and `solve` do not
+  /// allocate.
   virtual void analyze(std::shared_ptr<const BlockPattern> pattern, int threads) = 0;
 
-  /// Factors H + diag(damping); `damping` has one non-negative entry a scalar, or is empty. H is not changed. `stop` is polled
-  /// inside; after Outcome::interrupted the factor is unusable.
+  /// Factors H + diag(damping); `damping` has one non-negative entry a scalar, or is empty. H is not changed. `stop` is
+  /// polled inside; after Outcome::interrupted the factor is unusable.
   virtual SolverStatus factorize(const BlockMatrix& matrix, std::span<const double> damping,
                                  const StopCondition& stop = {}) = 0;
 

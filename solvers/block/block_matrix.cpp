@@ -27,7 +27,8 @@ void BlockMatrix::setZero() { std::fill(values().begin(), values().end(), 0.0); 
 void BlockMatrix::multiply(std::span<const double> x, std::span<double> y) const {
   const BlockLayout& layout = this->layout();
   if (static_cast<std::int64_t>(x.size()) != layout.scalars() || x.size() != y.size()) {
-    throw LogicError(fmt::format("a product of {} scalars with vectors of {} and {}", layout.scalars(), x.size(), y.size()));
+    throw LogicError(
+        fmt::format("a product of {} scalars with vectors of {} and {}", layout.scalars(), x.size(), y.size()));
   }
   std::fill(y.begin(), y.end(), 0.0);
   for (int column = 0; column < layout.blocks(); ++column) {
@@ -57,7 +58,8 @@ void BlockMatrix::diagonal(std::span<double> out) const {
   for (int column = 0; column < layout.blocks(); ++column) {
     const int dimension = layout.dimension(column);
     const double* a = block(pattern_->columnBegin(column));
-    for (int c = 0; c < dimension; ++c) out[static_cast<std::size_t>(layout.offset(column) + c)] = a[c * (dimension + 1)];
+    for (int c = 0; c < dimension; ++c)
+      out[static_cast<std::size_t>(layout.offset(column) + c)] = a[c * (dimension + 1)];
   }
 }
 

@@ -12,9 +12,9 @@ namespace quiver {
 
 /// A symmetric block-sparse matrix: values of the lower triangle over a fixed pattern.
 ///
-/// Block (i, j), i ≥ j, is a dense column-major array of dimension(i) × dimension(j) doubles, one after the other in the order of the
-/// pattern's entries: column by column, so a factorisation that walks the columns streams. Diagonal blocks are stored whole and
-/// symmetric. 64-byte aligned start.
+/// Block (i, j), i ≥ j, is a dense column-major array of dimension(i) × dimension(j) doubles, one after the other in
+/// the order of the pattern's entries: column by column, so a factorisation that walks the columns streams. Diagonal
+/// blocks are stored whole and symmetric. 64-byte aligned start.
 class BlockMatrix {
  public:
   BlockMatrix() = default;

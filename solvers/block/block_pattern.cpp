@@ -43,7 +43,8 @@ void sortColumns(std::vector<std::int64_t>& columns, std::vector<int>& rows) {
   rows.resize(static_cast<std::size_t>(write));
 }
 
-/// Compressed columns of the given entries (row, column) plus the diagonal; `forEach(visit)` calls visit(row, column), row ≥ column.
+/// Compressed columns of the given entries (row, column) plus the diagonal; `forEach(visit)` calls visit(row, column),
+/// row ≥ column.
 template <typename ForEach>
 void compress(int blocks, const ForEach& forEach, std::vector<std::int64_t>& columns, std::vector<int>& rows) {
   columns.assign(static_cast<std::size_t>(blocks) + 1, 0);

@@ -33,8 +33,8 @@ class BlockLayout {
   int largest_ = 0;
 };
 
-/// Which blocks of the lower triangle of a symmetric block matrix are stored: compressed block columns, the diagonal block first, then
-/// rows in ascending order. Every diagonal block is present.
+/// Which blocks of the lower triangle of a symmetric block matrix are stored: compressed block columns, the diagonal
+/// block first, then rows in ascending order. Every diagonal block is present.
 class BlockPattern {
  public:
   BlockPattern() = default;

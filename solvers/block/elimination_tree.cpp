@@ -1,0 +1,162 @@
+#include <quiver/solvers/block/elimination_tree.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace quiver {
+namespace {
+
+std::vector<int> positionsOf(std::span<const int> order) {
+  std::vector<int> position(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) position[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
+  return position;
+}
+
+/// Calls visit(row, column) for every block of L below the diagonal, rows ascending: row i of L is the part of the tree
+/// that the entries of row i of A reach on their way up to i.
+template <typename Visit>
+void forEachFactorBlock(const BlockGraph& graph, std::span<const int> order, const EliminationTree& tree,
+                        const Visit& visit) {
+  const std::vector<int> position = positionsOf(order);
+  std::vector<int> mark(order.size(), -1);
+  for (int i = 0; i < static_cast<int>(order.size()); ++i) {
+    mark[static_cast<std::size_t>(i)] = i;
+    for (const int neighbour : graph.of(order[static_cast<std::size_t>(i)])) {
+      int j = position[static_cast<std::size_t>(neighbour)];
+      if (j > i) continue;
+      while (mark[static_cast<std::size_t>(j)] != i) {
+        visit(i, j);
+        mark[static_cast<std::size_t>(j)] = i;
+        j = tree.parent[static_cast<std::size_t>(j)];
+      }
+    }
+  }
+}
+
+}  // namespace
+
+BlockGraph::BlockGraph(const BlockPattern& pattern) {
+  const int count = pattern.blocks();
+  starts.assign(static_cast<std::size_t>(count) + 1, 0);
+  for (int column = 0; column < count; ++column) {
+    for (std::int64_t k = pattern.columnBegin(column) + 1; k < pattern.columnEnd(column); ++k) {
+      ++starts[static_cast<std::size_t>(column) + 1];
+      ++starts[static_cast<std::size_t>(pattern.row(k)) + 1];
+    }
+  }
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  neighbours.resize(static_cast<std::size_t>(starts.back()));
+  std::vector<std::int64_t> next(starts.begin(), starts.end() - 1);
+  // Two passes keep every list ascending: smaller neighbours come from the columns before, larger ones from the own
+  // column.
+  for (int column = 0; column < count; ++column) {
+    for (std::int64_t k = pattern.columnBegin(column) + 1; k < pattern.columnEnd(column); ++k) {
+      neighbours[static_cast<std::size_t>(next[static_cast<std::size_t>(pattern.row(k))]++)] = column;
+    }
+  }
+  for (int column = 0; column < count; ++column) {
+    for (std::int64_t k = pattern.columnBegin(column) + 1; k < pattern.columnEnd(column); ++k) {
+      neighbours[static_cast<std::size_t>(next[static_cast<std::size_t>(column)]++)] = pattern.row(k);
+    }
+  }
+}
+
+EliminationTree::EliminationTree(const BlockGraph& graph, std::span<const int> order) : parent(order.size(), -1) {
+  const std::vector<int> position = positionsOf(order);
+  std::vector<int> ancestor(order.size(), -1);  // the highest known ancestor, for path compression
+  for (int i = 0; i < static_cast<int>(order.size()); ++i) {
+    for (const int neighbour : graph.of(order[static_cast<std::size_t>(i)])) {
+      int j = position[static_cast<std::size_t>(neighbour)];
+      while (j < i) {
+        const int next = ancestor[static_cast<std::size_t>(j)];
+        ancestor[static_cast<std::size_t>(j)] = i;
+        if (next < 0) parent[static_cast<std::size_t>(j)] = i;
+        if (next < 0 || next == i) break;
+        j = next;
+      }
+    }
+  }
+}
+
+std::vector<int> postorder(std::span<const int> parent, std::span<const double> weight) {
+  const std::size_t count = parent.size();
+  std::vector<int> sorted(count);
+  std::iota(sorted.begin(), sorted.end(), 0);
+  if (!weight.empty()) {
+    std::stable_sort(sorted.begin(), sorted.end(), [&](int a, int b) {
+      return weight[static_cast<std::size_t>(a)] < weight[static_cast<std::size_t>(b)];
+    });
+  }
+  // Lists of children, first child first: heads are pushed from the last to the first.
+  std::vector<int> firstChild(count + 1, -1);
+  std::vector<int> nextSibling(count, -1);
+  for (std::size_t k = count; k-- > 0;) {
+    const int node = sorted[k];
+    const int up = parent[static_cast<std::size_t>(node)];
+    int& head = firstChild[up < 0 ? count : static_cast<std::size_t>(up)];
+    nextSibling[static_cast<std::size_t>(node)] = head;
+    head = node;
+  }
+  std::vector<int> result;
+  result.reserve(count);
+  int node = firstChild[count];
+  while (node >= 0) {
+    while (firstChild[static_cast<std::size_t>(node)] >= 0) {  // down to the first leaf, forgetting the edges walked
+      const int child = firstChild[static_cast<std::size_t>(node)];
+      firstChild[static_cast<std::size_t>(node)] = -1;
+      node = child;
+    }
+    while (node >= 0) {
+      result.push_back(node);
+      if (nextSibling[static_cast<std::size_t>(node)] >= 0) {
+        node = nextSibling[static_cast<std::size_t>(node)];
+        break;
+      }
+      node = parent[static_cast<std::size_t>(node)];
+    }
+  }
+  return result;
+}
+
+std::vector<std::int64_t> belowScalars(const BlockGraph& graph, std::span<const int> order, const EliminationTree& tree,
+                                       const BlockLayout& layout) {
+  std::vector<std::int64_t> below(order.size(), 0);
+  forEachFactorBlock(graph, order, tree, [&](int row, int column) {
+    below[static_cast<std::size_t>(column)] += layout.dimension(order[static_cast<std::size_t>(row)]);
+  });
+  return below;
+}
+
+FactorSize factorSize(std::span<const int> dimensions, std::span<const std::int64_t> below) {
+  FactorSize size;
+  for (std::size_t i = 0; i < dimensions.size(); ++i) {
+    for (int c = 1; c <= dimensions[i]; ++c) {
+      const std::int64_t entries = below[i] + c;
+      size.nonzeros += entries;
+      size.flops += static_cast<double>(entries) * static_cast<double>(entries);
+    }
+  }
+  return size;
+}
+
+FactorSize predictFactor(const BlockPattern& pattern, std::span<const int> order) {
+  const BlockGraph graph(pattern);
+  const EliminationTree tree(graph, order);
+  std::vector<int> dimensions;
+  dimensions.reserve(order.size());
+  for (const int block : order) dimensions.push_back(pattern.layout().dimension(block));
+  return factorSize(dimensions, belowScalars(graph, order, tree, pattern.layout()));
+}
+
+FactorPattern::FactorPattern(const BlockGraph& graph, std::span<const int> order, const EliminationTree& tree)
+    : columns(order.size() + 1, 0) {
+  forEachFactorBlock(graph, order, tree, [&](int, int column) { ++columns[static_cast<std::size_t>(column) + 1]; });
+  std::partial_sum(columns.begin(), columns.end(), columns.begin());
+  rows.resize(static_cast<std::size_t>(columns.back()));
+  std::vector<std::int64_t> next(columns.begin(), columns.end() - 1);
+  forEachFactorBlock(graph, order, tree, [&](int row, int column) {
+    rows[static_cast<std::size_t>(next[static_cast<std::size_t>(column)]++)] = row;
+  });
+}
+
+}  // namespace quiver

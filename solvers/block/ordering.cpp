@@ -1,0 +1,126 @@
+#include <quiver/solvers/block/ordering.h>
+
+#include <numeric>
+
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+#ifdef QUIVER_METIS
+#  include <metis.h>
+#endif
+
+#include <quiver/core/util/error.h>
+#include <quiver/solvers/block/elimination_tree.h>
+
+namespace quiver {
+namespace {
+
+constexpr double minimumDissectionFlops = 1e8;
+constexpr double minimumDissectionIntensity = 150.0;
+
+/// An order composed with a postorder of its elimination tree: the same factor, subtrees contiguous.
+std::vector<int> postordered(const BlockGraph& graph, const std::vector<int>& order) {
+  const EliminationTree tree(graph, order);
+  std::vector<int> result;
+  result.reserve(order.size());
+  for (const int k : postorder(tree.parent)) result.push_back(order[static_cast<std::size_t>(k)]);
+  return result;
+}
+
+std::vector<int> minimumDegree(const BlockGraph& graph) {
+  const int count = graph.blocks();
+  using Sparse = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+  Sparse matrix(count, count);
+  matrix.resizeNonZeros(static_cast<Eigen::Index>(graph.neighbours.size()) + count);
+  int* outer = matrix.outerIndexPtr();
+  int* inner = matrix.innerIndexPtr();
+  int k = 0;
+  for (int i = 0; i < count; ++i) {
+    outer[i] = k;
+    bool placed = false;
+    for (const int neighbour : graph.of(i)) {
+      if (!placed && neighbour > i) {
+        inner[k++] = i;
+        placed = true;
+      }
+      inner[k++] = neighbour;
+    }
+    if (!placed) inner[k++] = i;
+  }
+  outer[count] = k;
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
+  Eigen::internal::minimum_degree_ordering(matrix, permutation);
+  return {permutation.indices().data(), permutation.indices().data() + count};
+}
+
+FactorSize sizeOf(const BlockGraph& graph, const BlockPattern& pattern, const std::vector<int>& order) {
+  const EliminationTree tree(graph, order);
+  std::vector<int> dimensions;
+  dimensions.reserve(order.size());
+  for (const int block : order) dimensions.push_back(pattern.layout().dimension(block));
+  return factorSize(dimensions, belowScalars(graph, order, tree, pattern.layout()));
+}
+
+#ifdef QUIVER_METIS
+std::vector<int> dissection(const BlockGraph& graph, const BlockLayout& layout) {
+  auto count = static_cast<idx_t>(graph.blocks());
+  std::vector<idx_t> starts(graph.starts.begin(), graph.starts.end());
+  std::vector<idx_t> neighbours(graph.neighbours.begin(), graph.neighbours.end());
+  std::vector<idx_t> weights(layout.dimensions().begin(), layout.dimensions().end());
+  std::vector<idx_t> order(static_cast<std::size_t>(count));
+  std::vector<idx_t> position(static_cast<std::size_t>(count));
+  idx_t options[METIS_NOPTIONS];
+  METIS_SetDefaultOptions(options);
+  options[METIS_OPTION_SEED] = 1;
+  const int result =
+      METIS_NodeND(&count, starts.data(), neighbours.data(), layout.uniformDimension() != 0 ? nullptr : weights.data(),
+                   options, order.data(), position.data());
+  if (result != METIS_OK) throw LogicError("METIS_NodeND returned " + std::to_string(result));
+  return {order.begin(), order.end()};
+}
+#endif
+
+}  // namespace
+
+BlockOrdering naturalOrdering(int blocks) {
+  BlockOrdering ordering{std::vector<int>(static_cast<std::size_t>(blocks)), "natural"};
+  std::iota(ordering.order.begin(), ordering.order.end(), 0);
+  return ordering;
+}
+
+BlockOrdering amdOrdering(const BlockPattern& pattern) {
+  if (pattern.blocks() < 3) return naturalOrdering(pattern.blocks());
+  const BlockGraph graph(pattern);
+  return {postordered(graph, minimumDegree(graph)), "amd"};
+}
+
+#ifdef QUIVER_METIS
+bool hasMetis() { return true; }
+
+BlockOrdering metisOrdering(const BlockPattern& pattern) {
+  const BlockGraph graph(pattern);
+  if (graph.neighbours.empty()) return naturalOrdering(pattern.blocks());
+  return {postordered(graph, dissection(graph, pattern.layout())), "metis"};
+}
+#else
+bool hasMetis() { return false; }
+
+BlockOrdering metisOrdering(const BlockPattern&) { throw LogicError("nested dissection needs a build with METIS"); }
+#endif
+
+BlockOrdering chooseOrdering(const BlockPattern& pattern) {
+  if (pattern.blocks() < 3) return naturalOrdering(pattern.blocks());
+  const BlockGraph graph(pattern);
+  BlockOrdering best{postordered(graph, minimumDegree(graph)), "amd"};
+#ifdef QUIVER_METIS
+  const FactorSize amd = sizeOf(graph, pattern, best.order);
+  const bool worthTrying =
+      amd.flops > minimumDissectionFlops && amd.flops > minimumDissectionIntensity * static_cast<double>(amd.nonzeros);
+  if (worthTrying) {
+    std::vector<int> order = postordered(graph, dissection(graph, pattern.layout()));
+    if (sizeOf(graph, pattern, order).flops < amd.flops) best = {std::move(order), "metis"};
+  }
+#endif
+  return best;
+}
+
+}  // namespace quiver
