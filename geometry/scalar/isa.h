@@ -15,6 +15,7 @@
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
 #  define QUIVER_NATIVE_LANES 1
+#  define QUIVER_LANES_ALIGNMENT 64
 #  define QUIVER_TARGET_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma")))
 #  define QUIVER_TARGET_AVX2 __attribute__((target("avx2,fma")))
 #  define QUIVER_TARGET_GENERIC
@@ -24,6 +25,7 @@
 #  define QUIVER_UNROLL _Pragma("GCC unroll 64")
 #else
 #  define QUIVER_NATIVE_LANES 0
+#  define QUIVER_LANES_ALIGNMENT 8
 #  define QUIVER_TARGET_AVX512
 #  define QUIVER_TARGET_AVX2
 #  define QUIVER_TARGET_GENERIC

@@ -36,7 +36,7 @@
 
 /// Eight truth values, all bits set for true. Not convertible to bool: ask any() or all().
 template <>
-class alignas(64) LanesMask<QUIVER_LANES_ISA> {
+class alignas(QUIVER_LANES_ALIGNMENT) LanesMask<QUIVER_LANES_ISA> {
  public:
 #if QUIVER_LANES_NATIVE > 1
   typedef std::int64_t Native __attribute__((vector_size(8 * QUIVER_LANES_NATIVE), aligned(8), may_alias));
@@ -58,7 +58,7 @@ class alignas(64) LanesMask<QUIVER_LANES_ISA> {
 
 /// Eight doubles side by side.
 template <>
-class alignas(64) Lanes<QUIVER_LANES_ISA> {
+class alignas(QUIVER_LANES_ALIGNMENT) Lanes<QUIVER_LANES_ISA> {
  public:
   using Mask = LanesMask<QUIVER_LANES_ISA>;
 #if QUIVER_LANES_NATIVE > 1
