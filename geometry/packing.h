@@ -25,7 +25,10 @@ struct Packing<double> {
   static constexpr int size = 1, coordinates = 1, dimension = 1;
   template <class S>
   using Rebind = S;
-  static void store(double m, double* out) { *out = m; }
+  template <class S>
+  static void store(const S& m, S* out) {
+    *out = m;
+  }
   template <class S>
   static S load(const S* in) {
     return *in;
@@ -38,10 +41,9 @@ requires(R >= 1 && C >= 1) struct Packing<Eigen::Matrix<double, R, C, Options, M
   static constexpr int size = R * C, coordinates = R * C, dimension = R * C;
   template <class S>
   using Rebind = Eigen::Matrix<S, R, C>;
-  static void store(const Eigen::Matrix<double, R, C, Options, MaxR, MaxC>& m, double* out) {
-    for (int j = 0; j < C; ++j) {
-      for (int i = 0; i < R; ++i) out[i + j * R] = m(i, j);
-    }
+  template <class Values, class S>
+  static void store(const Values& m, S* out) {
+    QUIVER_UNROLL for (int j = 0; j < C; ++j) { QUIVER_UNROLL for (int i = 0; i < R; ++i) out[i + j * R] = m(i, j); }
   }
   template <class S>
   static Rebind<S> load(const S* in) {
@@ -56,7 +58,8 @@ struct Packing<SO2<double>> {
   static constexpr int size = 3, coordinates = 1, dimension = 1;
   template <class S>
   using Rebind = SO2<S>;
-  static void store(const SO2<double>& m, double* out) {
+  template <class S>
+  static void store(const SO2<S>& m, S* out) {
     out[0] = m.angle();
     out[1] = m.cosine();
     out[2] = m.sine();
@@ -73,7 +76,8 @@ struct Packing<SE2<double>> {
   static constexpr int size = 5, coordinates = 3, dimension = 3;
   template <class S>
   using Rebind = SE2<S>;
-  static void store(const SE2<double>& m, double* out) {
+  template <class S>
+  static void store(const SE2<S>& m, S* out) {
     out[0] = m.x();
     out[1] = m.y();
     Packing<SO2<double>>::store(m.rotation(), out + 2);
@@ -90,7 +94,8 @@ struct Packing<SO3<double>> {
   static constexpr int size = 4, coordinates = 4, dimension = 3;
   template <class S>
   using Rebind = SO3<S>;
-  static void store(const SO3<double>& m, double* out) {
+  template <class S>
+  static void store(const SO3<S>& m, S* out) {
     out[0] = m.x();
     out[1] = m.y();
     out[2] = m.z();
@@ -108,7 +113,8 @@ struct Packing<SE3<double>> {
   static constexpr int size = 7, coordinates = 7, dimension = 6;
   template <class S>
   using Rebind = SE3<S>;
-  static void store(const SE3<double>& m, double* out) {
+  template <class S>
+  static void store(const SE3<S>& m, S* out) {
     Packing<Vector<double, 3>>::store(m.translation(), out);
     Packing<SO3<double>>::store(m.rotation(), out + 3);
   }
@@ -124,7 +130,8 @@ struct Packing<Sim3<double>> {
   static constexpr int size = 8, coordinates = 8, dimension = 7;
   template <class S>
   using Rebind = Sim3<S>;
-  static void store(const Sim3<double>& m, double* out) {
+  template <class S>
+  static void store(const Sim3<S>& m, S* out) {
     Packing<Vector<double, 3>>::store(m.translation(), out);
     Packing<SO3<double>>::store(m.rotation(), out + 3);
     out[7] = m.scale();

@@ -1,0 +1,161 @@
+#include <quiver/core/algorithm/descent.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <quiver/core/algorithm/diagnosis.h>
+
+namespace quiver {
+
+Descent::Descent(Problem& problem, LinearSystem& system, const Options& options, const StopCondition& stop, Summary& summary)
+    : problem_(problem),
+      system_(system),
+      options_(options),
+      stop_(stop),
+      summary_(summary),
+      delta_(static_cast<std::size_t>(problem.scalars()), 0.0) {}
+
+std::string Descent::describeBadEdge(const CostTotals& totals) const {
+  const Edge& edge = problem_.batch(totals.badBatch).edge(totals.badEdge);
+  std::string ids;
+  for (const std::int64_t id : edge.vertexIds()) ids += fmt::format(" {}", id);
+  return fmt::format("the error of edge {}{} is not finite", problem_.edgeType(totals.badBatch).tag(), ids);
+}
+
+bool Descent::begin() {
+  watch_ = Stopwatch();
+  totals_ = system_.linearize(problem_.state());
+  summary_.initialChi2 = summary_.finalChi2 = totals_.chi2;
+  summary_.initialCost = summary_.finalCost = bestCost_ = totals_.cost;
+  if (!totals_.finite()) {
+    finish(Status::numericalFailure, describeBadEdge(totals_) + " at the start; check its measurement and the estimates of its vertices");
+    return false;
+  }
+  firstGradient_ = gradientNorm();
+  if (firstGradient_ == 0.0) {
+    finish(Status::converged, "the gradient is zero at the start");
+    return false;
+  }
+  return true;
+}
+
+double Descent::gradientNorm() const {
+  double largest = 0.0;
+  for (const double value : system_.gradient()) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+bool Descent::exhausted() {
+  if (ended_) return true;
+  switch (stop_.reason()) {
+    case StopCondition::Reason::interrupted:
+      finish(Status::interrupted, "interrupted; the best estimate so far is kept");
+      return true;
+    case StopCondition::Reason::timeLimit:
+      finish(Status::timeLimit, fmt::format("the time limit of {} s is reached; the best estimate so far is kept", options_.timeLimit));
+      return true;
+    case StopCondition::Reason::none:
+      break;
+  }
+  if (static_cast<int>(summary_.iterations.size()) >= options_.maxIterations) {
+    finish(Status::iterationLimit, fmt::format("{} trial steps are used up", options_.maxIterations));
+    return true;
+  }
+  return false;
+}
+
+CostTotals Descent::tryStep() {
+  Stopwatch watch;
+  problem_.retract(delta_);
+  double square = 0.0;
+  for (const double value : delta_) square += value * value;
+  relativeStep_ = std::sqrt(square) / (problem_.stateNorm() + 1e-10);
+  report_.seconds.update += watch.lap();
+  const CostTotals trial = problem_.evaluate(problem_.trial());
+  report_.seconds.evaluate += watch.lap();
+  return trial;
+}
+
+bool Descent::accept(const CostTotals& trial) {
+  if (trial.cost > totals_.cost && totals_.cost <= bestCost_) {
+    problem_.saveBest();
+    bestSaved_ = true;
+  }
+  const double costBefore = totals_.cost;
+  report_.gradient = gradientNorm();
+  problem_.acceptTrial();
+  totals_ = system_.linearize(problem_.state());
+  totals_.chi2 = trial.chi2;
+  totals_.cost = trial.cost;
+  if (totals_.cost <= bestCost_) {
+    bestCost_ = totals_.cost;
+    bestSaved_ = false;
+  }
+  emitReport(true);
+  return stopRuleMet(costBefore);
+}
+
+void Descent::reject() {
+  report_.gradient = gradientNorm();
+  emitReport(false);
+}
+
+void Descent::emitReport(bool accepted) {
+  report_.iteration = static_cast<int>(summary_.iterations.size());
+  report_.accepted = accepted;
+  report_.chi2 = totals_.chi2;
+  report_.cost = totals_.cost;
+  report_.relativeStep = relativeStep_;
+  system_.addSeconds(report_.seconds);
+  report_.seconds.total = watch_.lap();
+  summary_.iterations.push_back(report_);
+  if (options_.callback) options_.callback(report_);
+  report_ = {};
+}
+
+bool Descent::stopRuleMet(double costBefore) {
+  const double change = std::abs(costBefore - totals_.cost);
+  if (change <= options_.costTolerance * std::abs(totals_.cost) || totals_.cost == 0.0) {
+    finish(Status::converged, fmt::format("the cost changed by {:.2e} of itself, at most {:.0e} is asked", change / std::max(totals_.cost, 1e-300),
+                                          options_.costTolerance));
+    return true;
+  }
+  const double gradient = gradientNorm() / std::max(1.0, firstGradient_);
+  if (gradient <= options_.gradientTolerance) {
+    finish(Status::converged, fmt::format("the gradient is {:.2e} of the first, at most {:.0e} is asked", gradient, options_.gradientTolerance));
+    return true;
+  }
+  if (relativeStep_ <= options_.stepTolerance) {
+    finish(Status::converged, fmt::format("the step is {:.2e} of the estimate, at most {:.0e} is asked", relativeStep_, options_.stepTolerance));
+    return true;
+  }
+  return false;
+}
+
+void Descent::finish(Status status, std::string reason) {
+  summary_.status = status;
+  summary_.reason = std::move(reason);
+  ended_ = true;
+}
+
+void Descent::fail(const LinearOutcome& outcome) {
+  if (outcome.kind == LinearOutcome::Kind::interrupted) {
+    if (!exhausted()) finish(Status::interrupted, "interrupted; the best estimate so far is kept");
+    return;
+  }
+  finish(Status::numericalFailure, diagnoseFailure(problem_, system_, outcome));
+}
+
+void Descent::end() {
+  system_.addSeconds(report_.seconds);
+  if (bestSaved_ && totals_.cost > bestCost_) {
+    problem_.restoreBest();
+    totals_ = problem_.evaluate(problem_.state());
+  }
+  summary_.finalChi2 = totals_.chi2;
+  summary_.finalCost = totals_.cost;
+}
+
+}  // namespace quiver

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <quiver/core/algorithm/linear_system.h>
+#include <quiver/core/algorithm/options.h>
+#include <quiver/core/algorithm/summary.h>
+#include <quiver/core/problem/problem.h>
+#include <quiver/core/util/stop_condition.h>
+#include <quiver/core/util/stopwatch.h>
+
+namespace quiver {
+
+/// What Gauss–Newton and Levenberg–Marquardt share: the state of a descent, its stopping rules, its report.
+///
+/// The problem's state is always the estimate kept; the best one met is restored at the end.
+class Descent {
+ public:
+  Descent(Problem& problem, LinearSystem& system, const Options& options, const StopCondition& stop, Summary& summary);
+
+  /// Linearises at the start. False if that is not possible: the status is set.
+  bool begin();
+  /// Whether trial steps are used up or time is over; sets the status.
+  bool exhausted();
+
+  /// Evaluates the trial x ⊞ delta; seconds go to the iteration under way.
+  CostTotals tryStep();
+  /// Makes the trial the estimate and linearises there. Sets the status and returns true if a stopping rule is met.
+  bool accept(const CostTotals& trial);
+  /// Reports a rejected trial.
+  void reject();
+  /// Ends with a status.
+  void finish(Status status, std::string reason);
+  /// Ends because a linear system could not be solved, in words that name the vertex.
+  void fail(const LinearOutcome& outcome);
+  /// Restores the best estimate.
+  void end();
+
+  Problem& problem() { return problem_; }
+  LinearSystem& system() { return system_; }
+  const CostTotals& totals() const { return totals_; }
+  std::vector<double>& delta() { return delta_; }
+  const Options& options() const { return options_; }
+  const StopCondition& stop() const { return stop_; }
+  void setDamping(double damping) { report_.damping = damping; }
+  void setLinearIterations(int iterations) { report_.linearIterations = iterations; }
+  bool ended() const { return ended_; }
+
+ private:
+  void emitReport(bool accepted);
+  bool stopRuleMet(double costBefore);
+  double gradientNorm() const;
+  std::string describeBadEdge(const CostTotals& totals) const;
+
+  Problem& problem_;
+  LinearSystem& system_;
+  const Options& options_;
+  const StopCondition& stop_;
+  Summary& summary_;
+  CostTotals totals_;
+  double bestCost_ = 0.0;
+  bool bestSaved_ = false;
+  double firstGradient_ = 0.0;
+  double relativeStep_ = 0.0;
+  std::vector<double> delta_;
+  IterationReport report_;
+  Stopwatch watch_;
+  bool ended_ = false;
+};
+
+/// Full steps of H δ = −g while they work. Returns false, without ending the descent, when `careful` and a step raised the cost or
+/// could not be computed: the caller may go on with damping.
+bool gaussNewton(Descent& descent, bool careful);
+
+/// Damped steps (H + λ D) δ = −g, D = diag(H) kept within [1e-6, 1e32]; λ follows the ratio of actual to predicted decrease.
+void levenbergMarquardt(Descent& descent);
+
+}  // namespace quiver

@@ -1,0 +1,134 @@
+#include <quiver/core/algorithm/diagnosis.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
+#include <quiver/core/algorithm/gauge.h>
+
+namespace quiver {
+namespace {
+
+/// The diagonal block of a variable in H, by products with unit vectors.
+Eigen::MatrixXd diagonalBlock(const Problem& problem, const LinearSystem& system, int variable) {
+  const int n = problem.dimension(variable);
+  std::vector<double> x(static_cast<std::size_t>(problem.scalars()), 0.0);
+  std::vector<double> y(x.size());
+  Eigen::MatrixXd block(n, n);
+  for (int c = 0; c < n; ++c) {
+    const auto at = static_cast<std::size_t>(problem.offset(variable) + c);
+    x[at] = 1.0;
+    system.multiply(x, y);
+    x[at] = 0.0;
+    for (int r = 0; r < n; ++r) block(r, c) = y[static_cast<std::size_t>(problem.offset(variable) + r)];
+  }
+  return block;
+}
+
+/// "x [m]" for a direction along an axis, "0.71 x [m] - 0.71 y [m]" for one between them.
+std::string describeDirection(const Eigen::VectorXd& direction, const std::vector<std::string>& names) {
+  std::string text;
+  for (int i = 0; i < direction.size(); ++i) {
+    const double part = direction[i];
+    if (std::abs(part) < 0.05) continue;
+    const std::string& name = names[static_cast<std::size_t>(i)];
+    if (std::abs(part) > 0.995) return name;
+    text += text.empty() ? (part < 0.0 ? "-" : "") : (part < 0.0 ? " - " : " + ");
+    text += fmt::format("{:.2f} {}", std::abs(part), name);
+  }
+  return text;
+}
+
+std::string describeEdges(const Problem& problem, int slot) {
+  std::string text;
+  int count = 0;
+  for (int b = 0; b < problem.batches(); ++b) {
+    for (int i = 0; i < problem.batch(b).size(); ++i) {
+      const auto slots = problem.batch(b).slots(i);
+      if (std::find(slots.begin(), slots.end(), slot) == slots.end()) continue;
+      if (++count > 4) continue;
+      text += text.empty() ? "" : ", ";
+      text += problem.edgeType(b).tag();
+      for (const std::int32_t other : slots) text += fmt::format(" {}", problem.vertex(other).id());
+    }
+  }
+  if (count > 4) text += fmt::format(" and {} more", count - 4);
+  return fmt::format("its {} edge{}: {}", count, count == 1 ? "" : "s", text);
+}
+
+/// Directions in which no edge constrains the variable, the others held; empty if there are none.
+std::vector<std::string> looseDirections(const Problem& problem, const LinearSystem& system, int variable) {
+  const Eigen::MatrixXd block = diagonalBlock(problem, system, variable);
+  std::vector<std::string> loose;
+  if (!block.allFinite()) return loose;
+  // Coordinates are scaled by their own diagonal, so that metres and radians of very different weight compare.
+  const Eigen::VectorXd scale = block.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd inverse = (scale.array() > 0.0).select(scale.cwiseInverse(), 1.0);
+  const Eigen::MatrixXd scaled = inverse.asDiagonal() * block * inverse.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const std::vector<std::string> names = problem.vertexType(problem.slotOfVariable(variable)).tangentNames(problem.dimension(variable));
+  for (int i = 0; i < eigen.eigenvalues().size(); ++i) {
+    if (eigen.eigenvalues()[i] > 1e-12) continue;
+    const Eigen::VectorXd direction = (inverse.asDiagonal() * eigen.eigenvectors().col(i)).normalized();
+    loose.push_back(describeDirection(direction, names));
+  }
+  return loose;
+}
+
+std::string join(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : "; ") + word;
+  return text;
+}
+
+}  // namespace
+
+std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const LinearOutcome& outcome) {
+  if (outcome.kind == LinearOutcome::Kind::memoryLimit) return "the linear solver would need more memory than it may use";
+  if (outcome.kind == LinearOutcome::Kind::notConverged) {
+    return fmt::format("the iterative linear solver did not converge in {} iterations; try --solver block", outcome.iterations);
+  }
+  // The failed pivot may be a neighbour of the vertex at fault: look at every vertex for one that its own edges leave loose.
+  std::vector<int> candidates;
+  if (outcome.variable >= 0) candidates.push_back(outcome.variable);
+  const auto diagonal = system.diagonal();
+  constexpr int mostBlocks = 2000;
+  for (int v = 0; v < problem.variables() && static_cast<int>(candidates.size()) < mostBlocks; ++v) {
+    for (int c = 0; c < problem.dimension(v); ++c) {
+      if (!(diagonal[static_cast<std::size_t>(problem.offset(v) + c)] > 0.0)) {
+        candidates.insert(candidates.begin(), v);
+        break;
+      }
+    }
+  }
+  for (const int variable : candidates) {
+    const std::vector<std::string> loose = looseDirections(problem, system, variable);
+    if (loose.empty()) continue;
+    const int slot = problem.slotOfVariable(variable);
+    return fmt::format("vertex {} ({}) is not constrained in {} direction{}: {}; {}; add a measurement, fix it, or use --algorithm lm",
+                       problem.vertex(slot).id(), problem.vertexType(slot).tag(), loose.size(), loose.size() == 1 ? "" : "s", join(loose),
+                       describeEdges(problem, slot));
+  }
+  for (const ComponentGauge& gauge : findGauges(problem)) {
+    if (gauge.free == 0) continue;
+    const int slot = problem.slotOfVariable(gauge.anchor);
+    return fmt::format(
+        "a component of {} vertices may move as a whole in {} directions, since nothing ties it to the world: fix vertex {} ({}; {}) "
+        "with --fix {}, or use --gauge fix or --algorithm lm",
+        gauge.variables.size(), gauge.free, problem.vertex(slot).id(), problem.vertexType(slot).tag(),
+        join(problem.vertexType(slot).tangentNames(problem.dimension(gauge.anchor))), problem.vertex(slot).id());
+  }
+  if (outcome.variable < 0) return "the linear system is not positive definite";
+  const int slot = problem.slotOfVariable(outcome.variable);
+  const std::vector<std::string> names = problem.vertexType(slot).tangentNames(problem.dimension(outcome.variable));
+  return fmt::format(
+      "the linear system is not positive definite: at vertex {} ({}), direction {}, the pivot is {:.3g}; together with its neighbours it "
+      "is not constrained there; {}; add measurements, or use --algorithm lm",
+      problem.vertex(slot).id(), problem.vertexType(slot).tag(),
+      outcome.coordinate >= 0 ? names[static_cast<std::size_t>(outcome.coordinate)] : "unknown", outcome.pivot,
+      describeEdges(problem, slot));
+}
+
+}  // namespace quiver

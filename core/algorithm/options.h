@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace quiver {
+
+struct IterationReport;
+
+/// What to do about directions in which the whole world may move unnoticed.
+enum class GaugePolicy {
+  automatic,  ///< Gauss–Newton fixes a vertex per component, damped methods leave the gauge free
+  fix,        ///< always fix the vertex of lowest id among those of largest dimension, per component
+  free        ///< never fix anything
+};
+
+/// How a robust kernel enters the normal equations.
+enum class RobustCorrection {
+  firstOrder,  ///< weight ρ' alone
+  triggs       ///< with the ρ'' term, kept positive definite
+};
+
+/// What `optimize` does. An aggregate: fields are only ever appended.
+struct Options {
+  /// Trial steps at most.
+  int maxIterations = 100;
+  /// "auto", "gn" or "lm".
+  std::string algorithm = "auto";
+  /// "auto" or a linear solver's name in the registry: "block", "dense", "eigen", "cholmod", …
+  std::string linearSolver = "auto";
+  GaugePolicy gauge = GaugePolicy::automatic;
+  /// Threads at most; 0 means as many as the machine has. Results do not depend on it.
+  int threads = 0;
+  /// Seconds; honoured inside an iteration. The best estimate so far is kept.
+  double timeLimit = std::numeric_limits<double>::infinity();
+  std::stop_token stopToken = {};
+  /// Stop when |Δcost| / cost of an accepted step is at most this.
+  double costTolerance = 1e-10;
+  /// Stop when ‖g‖∞ / max(1, ‖g₀‖∞) is at most this.
+  double gradientTolerance = 1e-10;
+  /// Stop when ‖Δ‖ / (‖x‖ + 1e-10) is at most this.
+  double stepTolerance = 1e-10;
+  /// Edges of this level take part; −1 means all edges.
+  int level = 0;
+  /// If not empty: only these vertices move, all others are held, and only edges on these take part.
+  std::vector<std::int64_t> free = {};
+  /// First damping of Levenberg–Marquardt, relative to the diagonal of H.
+  double initialDamping = 1e-4;
+  /// Called after every trial step, on the calling thread.
+  std::function<void(const IterationReport&)> callback = {};
+  RobustCorrection robustCorrection = RobustCorrection::firstOrder;
+
+  /// Throws GraphError naming the first option that makes no sense.
+  void validate() const;
+};
+
+}  // namespace quiver

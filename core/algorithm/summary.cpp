@@ -1,0 +1,74 @@
+#include <quiver/core/algorithm/summary.h>
+
+#include <ostream>
+
+#include <fmt/format.h>
+
+#include <quiver/core/algorithm/options.h>
+#include <quiver/core/util/error.h>
+
+namespace quiver {
+
+std::string_view toString(Status status) {
+  switch (status) {
+    case Status::converged:
+      return "converged";
+    case Status::iterationLimit:
+      return "iteration_limit";
+    case Status::timeLimit:
+      return "time_limit";
+    case Status::interrupted:
+      return "interrupted";
+    case Status::stalled:
+      return "stalled";
+    case Status::numericalFailure:
+      return "numerical_failure";
+    case Status::nothingToOptimise:
+      return "nothing_to_optimise";
+  }
+  throw LogicError(fmt::format("no such status: {}", static_cast<int>(status)));
+}
+
+void Options::validate() const {
+  const auto demand = [](bool holds, const char* what, double value) {
+    if (!holds) throw GraphError(fmt::format("option {} is {}: {}", what, value, "it must be 0 or more"));
+  };
+  demand(maxIterations >= 0, "maxIterations", maxIterations);
+  demand(threads >= 0, "threads", threads);
+  demand(timeLimit >= 0.0, "timeLimit", timeLimit);
+  demand(costTolerance >= 0.0, "costTolerance", costTolerance);
+  demand(gradientTolerance >= 0.0, "gradientTolerance", gradientTolerance);
+  demand(stepTolerance >= 0.0, "stepTolerance", stepTolerance);
+  demand(level >= -1, "level", level);
+  if (!(initialDamping > 0.0)) throw GraphError(fmt::format("option initialDamping is {}: it must be positive", initialDamping));
+}
+
+std::string iterationHeading() {
+  return fmt::format("{:>4}  {:>16}  {:>16}  {:>9}  {:>9}  {:>9}  {:>9}  {}", "iter", "chi2", "cost", "damping", "step", "gradient",
+                     "ms", "");
+}
+
+std::string iterationLine(const IterationReport& report) {
+  return fmt::format("{:>4}  {:>16.9g}  {:>16.9g}  {:>9.2e}  {:>9.2e}  {:>9.2e}  {:>9.3f}  {}", report.iteration, report.chi2,
+                     report.cost, report.damping, report.relativeStep, report.gradient, report.seconds.total * 1e3,
+                     report.accepted ? "" : "rejected");
+}
+
+std::ostream& operator<<(std::ostream& out, const Summary& summary) {
+  if (!summary.iterations.empty()) {
+    out << iterationHeading() << '\n';
+    for (const IterationReport& report : summary.iterations) out << iterationLine(report) << '\n';
+  }
+  const SolvePlan& plan = summary.plan;
+  if (!plan.algorithm.empty()) {
+    out << fmt::format("algorithm {} ({}), linear solver {}, ordering {}\n", plan.algorithm, plan.algorithmReason, plan.linearSolver,
+                       plan.ordering.empty() ? "none" : plan.ordering);
+  }
+  if (!summary.gauge.reason.empty()) out << "gauge: " << summary.gauge.reason << '\n';
+  out << fmt::format("{}: {}\n", toString(summary.status), summary.reason);
+  out << fmt::format("chi2 {:.10g} -> {:.10g} with {} vertices and {} edges in {:.3f} s\n", summary.initialChi2, summary.finalChi2,
+                     summary.variables, summary.edges, summary.seconds.total);
+  return out;
+}
+
+}  // namespace quiver

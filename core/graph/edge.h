@@ -1,0 +1,171 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include <quiver/core/graph/id_list.h>
+#include <quiver/core/graph/parameter.h>
+#include <quiver/core/graph/robust_kernel.h>
+#include <quiver/core/graph/vertex.h>
+
+namespace quiver {
+
+/// What all edges have in common: the vertices they join, a level, a robust kernel. Knows nothing of any solver.
+class Edge {
+ public:
+  /// Ids of the vertices, in the order of the edge type's roles.
+  std::span<const std::int64_t> vertexIds() const { return vertexIds_.ids(); }
+  std::int64_t vertexId(int role) const { return vertexIds_[role]; }
+  int arity() const { return vertexIds_.size(); }
+  std::span<const std::int64_t> parameterIds() const { return parameterIds_.ids(); }
+
+  /// Replaces eᵀΩe by ρ(eᵀΩe) in the cost; `RobustKernel()` removes it.
+  void setRobustKernel(const RobustKernel& kernel) { kernel_ = kernel; }
+  const RobustKernel& robustKernel() const { return kernel_; }
+
+  /// Edges of one level are optimised together; 0 unless set.
+  void setLevel(int level) { level_ = level; }
+  int level() const { return level_; }
+
+  /// Index of its type in the registry of its graph.
+  int type() const { return type_; }
+
+ private:
+  friend class Graph;
+  IdList vertexIds_;
+  IdList parameterIds_;
+  RobustKernel kernel_;
+  std::int32_t level_ = 0;
+  std::int32_t slot_ = -1;
+  std::uint16_t type_ = 0;
+  bool alive_ = false;
+};
+
+/// The last of an edge's vertex types: any number (≥ 1) of vertices of that type. `computeError` takes `std::span<const Estimate<S>>`.
+template <typename VertexType>
+struct AnyNumberOf {};
+
+/// How an edge's Jacobians are made.
+enum class Jacobians { automatic, analytic, dual, numeric };
+
+namespace detail {
+
+/// Keeps a measurement: packable ones as unaligned doubles, others as they are.
+template <typename M>
+class MeasurementStore {
+ public:
+  M get() const { return value_; }
+  void set(const M& value) { value_ = value; }
+
+ private:
+  M value_{};
+};
+
+template <Packable M>
+class MeasurementStore<M> {
+ public:
+  M get() const { return Packing<M>::template load<double>(values_.data()); }
+  void set(const M& value) { Packing<M>::store(value, values_.data()); }
+  const double* values() const { return values_.data(); }
+
+ private:
+  std::array<double, static_cast<std::size_t>(Packing<M>::size)> values_{};
+};
+
+/// Keeps the upper triangle of a symmetric matrix, row by row.
+template <int N>
+class TriangleStore {
+ public:
+  static constexpr int entries = N * (N + 1) / 2;
+  TriangleStore() {
+    for (int r = 0, k = 0; r < N; k += N - r, ++r) values_[static_cast<std::size_t>(k)] = 1.0;
+  }
+  int dimension() const { return N; }
+  std::span<double> values() { return values_; }
+  std::span<const double> values() const { return values_; }
+  void resize(int) {}
+
+ private:
+  std::array<double, static_cast<std::size_t>(entries)> values_{};
+};
+
+template <>
+class TriangleStore<Dynamic> {
+ public:
+  int dimension() const { return dimension_; }
+  std::span<double> values() { return values_; }
+  std::span<const double> values() const { return values_; }
+  /// Identity of the given dimension.
+  void resize(int dimension) {
+    dimension_ = dimension;
+    values_.assign(static_cast<std::size_t>(dimension) * static_cast<std::size_t>(dimension + 1) / 2, 0.0);
+    for (int r = 0, k = 0; r < dimension; k += dimension - r, ++r) values_[static_cast<std::size_t>(k)] = 1.0;
+  }
+
+ private:
+  std::vector<double> values_;
+  int dimension_ = 0;
+};
+
+}  // namespace detail
+
+/// An edge is a pure function from a measurement and estimates to an error.
+///
+/// `Derived` supplies `template <typename S> static Vector<S, N> computeError(const M<S>& measurement, [const P<S>& parameter…,]
+/// const X<S>& estimate…)`. `N` is the error's dimension, `M` the measurement's type, `Vertices…` the vertex types. See
+/// `core/problem/edge_functions.h` for the forms that are found by concept: analytic Jacobians, lanes, member functions.
+/// `N` may be Dynamic, and the last of the vertices `AnyNumberOf<V>`.
+template <typename Derived, int N, typename M, typename... Vertices>
+class BaseEdge : public Edge {
+ public:
+  using Measurement = M;
+  using VertexTypes = std::tuple<Vertices...>;
+  using Parameters = ParameterList<>;
+  static constexpr int errorDimension = N;
+
+  M measurement() const { return measurement_.get(); }
+  void setMeasurement(const M& measurement) { measurement_.set(measurement); }
+
+  /// Ω, symmetric positive semi-definite, dimension × dimension, in the order of the error vector. Always checked when set
+  /// through the graph.
+  Matrix<double, N, N> information() const {
+    const int n = information_.dimension();
+    Matrix<double, N, N> result(n, n);
+    const std::span<const double> values = information_.values();
+    std::size_t k = 0;
+    for (int r = 0; r < n; ++r) {
+      for (int c = r; c < n; ++c) result(r, c) = result(c, r) = values[k++];
+    }
+    return result;
+  }
+  /// Throws GraphError if the matrix is not finite, not symmetric, or has an eigenvalue below −1e-6 of the largest.
+  void setInformation(const Matrix<double, N, N>& information);
+
+  const detail::MeasurementStore<M>& measurementStore() const { return measurement_; }
+  detail::TriangleStore<N>& informationStore() { return information_; }
+  const detail::TriangleStore<N>& informationStore() const { return information_; }
+
+ private:
+  detail::MeasurementStore<M> measurement_;
+  detail::TriangleStore<N> information_;
+};
+
+/// Throws GraphError unless the dimension × dimension matrix (column-major) is an information matrix: finite, symmetric (to 1e-9 of its
+/// largest entry), no eigenvalue below −1e-6 of the largest. O(dimension³).
+void checkInformation(const double* matrix, int dimension);
+
+template <typename Derived, int N, typename M, typename... Vertices>
+void BaseEdge<Derived, N, M, Vertices...>::setInformation(const Matrix<double, N, N>& information) {
+  const int n = static_cast<int>(information.rows());
+  checkInformation(information.data(), n);
+  information_.resize(n);
+  std::size_t k = 0;
+  for (int r = 0; r < n; ++r) {
+    for (int c = r; c < n; ++c) information_.values()[k++] = information(r, c);
+  }
+}
+
+}  // namespace quiver

@@ -1,0 +1,261 @@
+#include <quiver/core/graph/graph.h>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <quiver/core/util/error.h>
+
+namespace quiver {
+namespace {
+
+template <typename Base>
+std::vector<std::unique_ptr<ElementPool<Base>>> clonePools(const std::vector<std::unique_ptr<ElementPool<Base>>>& pools) {
+  std::vector<std::unique_ptr<ElementPool<Base>>> result;
+  result.reserve(pools.size());
+  for (const auto& pool : pools) result.push_back(pool ? pool->clone() : nullptr);
+  return result;
+}
+
+/// The pool of a type, made on first use.
+template <typename Base, typename Type>
+ElementPool<Base>& poolOf(std::vector<std::unique_ptr<ElementPool<Base>>>& pools, const Type& type) {
+  const auto index = static_cast<std::size_t>(type.index());
+  if (pools.size() <= index) pools.resize(index + 1);
+  if (!pools[index]) pools[index] = type.makePool();
+  return *pools[index];
+}
+
+/// Moves the keys of attachments from the elements of one graph to those of its copy.
+template <typename Base>
+void copyAttachments(const std::vector<std::unique_ptr<ElementPool<Base>>>& from,
+                     const std::vector<std::unique_ptr<ElementPool<Base>>>& to,
+                     const std::unordered_map<const void*, Attachment>& source,
+                     std::unordered_map<const void*, Attachment>& target) {
+  for (std::size_t p = 0; p < from.size(); ++p) {
+    if (!from[p]) continue;
+    for (std::int64_t slot = 0; slot < from[p]->slots(); ++slot) {
+      const auto it = source.find(&std::as_const(*from[p]).at(slot));
+      if (it != source.end()) target.emplace(&to[p]->at(slot), it->second);
+    }
+  }
+}
+
+}  // namespace
+
+Graph::Graph(std::shared_ptr<const Registry> registry) : registry_(std::move(registry)) {
+  if (!registry_) throw GraphError("a graph needs a registry");
+}
+
+Graph::Graph(const Graph& other)
+    : registry_(other.registry_),
+      vertices_(clonePools(other.vertices_)),
+      edges_(clonePools(other.edges_)),
+      parameters_(clonePools(other.parameters_)),
+      vertexIds_(other.vertexIds_),
+      parameterIds_(other.parameterIds_),
+      edgeCount_(other.edgeCount_),
+      roleTypes_(other.roleTypes_),
+      fileAttachment_(other.fileAttachment_) {
+  if (other.attachments_.empty()) return;
+  copyAttachments(other.vertices_, vertices_, other.attachments_, attachments_);
+  copyAttachments(other.edges_, edges_, other.attachments_, attachments_);
+  copyAttachments(other.parameters_, parameters_, other.attachments_, attachments_);
+}
+
+Graph& Graph::operator=(const Graph& other) {
+  if (this != &other) *this = Graph(other);
+  return *this;
+}
+Graph::Graph(Graph&&) noexcept = default;
+Graph& Graph::operator=(Graph&& other) noexcept {
+  // Pools go before the registry that may own their code.
+  std::swap(vertices_, other.vertices_);
+  std::swap(edges_, other.edges_);
+  std::swap(parameters_, other.parameters_);
+  std::swap(vertexIds_, other.vertexIds_);
+  std::swap(parameterIds_, other.parameterIds_);
+  std::swap(edgeCount_, other.edgeCount_);
+  std::swap(roleTypes_, other.roleTypes_);
+  std::swap(lastVertexType_, other.lastVertexType_);
+  std::swap(lastEdgeType_, other.lastEdgeType_);
+  std::swap(attachments_, other.attachments_);
+  std::swap(fileAttachment_, other.fileAttachment_);
+  std::swap(registry_, other.registry_);
+  return *this;
+}
+Graph::~Graph() = default;
+
+int Graph::vertexTypeIndex(std::string_view cppName) {
+  if (lastVertexType_.name == cppName.data()) return lastVertexType_.index;
+  const VertexType* type = registry_->findVertexTypeByName(cppName);
+  if (!type) throw GraphError(fmt::format("vertex type {} is not registered: call registry->addVertex<{}>(\"TAG\") first", cppName, cppName));
+  lastVertexType_ = {cppName.data(), type->index()};
+  return type->index();
+}
+
+int Graph::edgeTypeIndex(std::string_view cppName) {
+  if (lastEdgeType_.name == cppName.data()) return lastEdgeType_.index;
+  const EdgeType* type = registry_->findEdgeTypeByName(cppName);
+  if (!type) throw GraphError(fmt::format("edge type {} is not registered: call registry->addEdge<{}>(\"TAG\") first", cppName, cppName));
+  lastEdgeType_ = {cppName.data(), type->index()};
+  return type->index();
+}
+
+Vertex& Graph::addVertexOf(int type, std::int64_t id) {
+  if (id < 0) throw GraphError(fmt::format("vertex id {} is negative; ids are 0 or more", id));
+  if (vertexIds_.find(id).valid()) throw GraphError(fmt::format("vertex {} exists already", id));
+  ElementPool<Vertex>& pool = poolOf(vertices_, *registry_->vertexTypes()[static_cast<std::size_t>(type)]);
+  const std::int64_t slot = pool.add();
+  Vertex& vertex = pool.at(slot);
+  vertex.id_ = id;
+  vertex.type_ = static_cast<std::uint16_t>(type);
+  vertexIds_.insert(id, {type, static_cast<std::int32_t>(slot)});
+  return vertex;
+}
+
+Parameter& Graph::addParameterOf(const ParameterType* type, std::string_view cppName, std::int64_t id) {
+  if (!type) throw GraphError(fmt::format("parameter type {} is not registered: call registry->addParameter first", cppName));
+  if (id < 0) throw GraphError(fmt::format("parameter id {} is negative; ids are 0 or more", id));
+  if (parameterIds_.find(id).valid()) throw GraphError(fmt::format("parameter {} exists already", id));
+  ElementPool<Parameter>& pool = poolOf(parameters_, *type);
+  const std::int64_t slot = pool.add();
+  Parameter& parameter = pool.at(slot);
+  parameter.id_ = id;
+  parameter.type_ = static_cast<std::uint16_t>(type->index());
+  parameterIds_.insert(id, {type->index(), static_cast<std::int32_t>(slot)});
+  return parameter;
+}
+
+void Graph::checkVertices(const EdgeType& type, std::span<const std::int64_t> vertices) const {
+  const int count = static_cast<int>(vertices.size());
+  if (count < type.arity() || (count > type.arity() && !type.variableArity())) {
+    throw GraphError(fmt::format("edge {} joins {}{} vertices, not {}", type.tag(), type.variableArity() ? "at least " : "",
+                                 type.arity(), count));
+  }
+  const std::vector<int>& roles = roleTypes_[static_cast<std::size_t>(type.index())];
+  for (int role = 0; role < count; ++role) {
+    const std::int64_t id = vertices[static_cast<std::size_t>(role)];
+    const ElementLocation location = vertexIds_.find(id);
+    if (!location.valid()) throw GraphError(fmt::format("edge {} names vertex {}, which does not exist", type.tag(), id));
+    const int expected = roles[static_cast<std::size_t>(std::min(role, static_cast<int>(roles.size()) - 1))];
+    if (location.type != expected) {
+      throw GraphError(fmt::format("edge {} wants a {} at place {}, but vertex {} is a {}", type.tag(),
+                                   registry_->vertexTypes()[static_cast<std::size_t>(expected)]->tag(), role + 1, id,
+                                   registry_->vertexTypes()[static_cast<std::size_t>(location.type)]->tag()));
+    }
+    for (int other = 0; other < role; ++other) {
+      if (vertices[static_cast<std::size_t>(other)] == id) {
+        throw GraphError(fmt::format("edge {} names vertex {} twice", type.tag(), id));
+      }
+    }
+  }
+}
+
+void Graph::checkParameters(const EdgeType& type, std::span<const std::int64_t> parameters) const {
+  const std::vector<std::string_view> names = type.parameterTypeNames();
+  if (names.size() != parameters.size()) {
+    throw GraphError(fmt::format("edge {} uses {} parameters, not {}", type.tag(), names.size(), parameters.size()));
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Parameter* parameter = findParameter(parameters[i]);
+    if (!parameter) throw GraphError(fmt::format("edge {} uses parameter {}, which does not exist", type.tag(), parameters[i]));
+    if (typeOf(*parameter).cppName() != names[i]) {
+      throw GraphError(fmt::format("edge {} wants a {}, but parameter {} is a {}", type.tag(),
+                                   registry_->findParameterTypeByName(names[i])->tag(), parameters[i], typeOf(*parameter).tag()));
+    }
+  }
+}
+
+Edge& Graph::addEdgeOf(int typeIndex, std::span<const std::int64_t> vertices, std::span<const std::int64_t> parameters) {
+  const EdgeType& type = *registry_->edgeTypes()[static_cast<std::size_t>(typeIndex)];
+  if (roleTypes_.size() <= static_cast<std::size_t>(typeIndex)) roleTypes_.resize(static_cast<std::size_t>(typeIndex) + 1);
+  std::vector<int>& roles = roleTypes_[static_cast<std::size_t>(typeIndex)];
+  if (roles.empty()) {
+    for (int role = 0; role < type.arity(); ++role) {
+      roles.push_back(registry_->findVertexTypeByName(type.vertexTypeName(role))->index());
+    }
+  }
+  checkVertices(type, vertices);
+  if (!parameters.empty() || !type.parameterTypeNames().empty()) checkParameters(type, parameters);
+  ElementPool<Edge>& pool = poolOf(edges_, type);
+  const std::int64_t slot = pool.add();
+  Edge& edge = pool.at(slot);
+  edge.slot_ = static_cast<std::int32_t>(slot);
+  edge.vertexIds_ = IdList(vertices);
+  edge.parameterIds_ = IdList(parameters);
+  edge.type_ = static_cast<std::uint16_t>(typeIndex);
+  edge.alive_ = true;
+  ++edgeCount_;
+  return edge;
+}
+
+Vertex* Graph::findVertex(std::int64_t id) {
+  const ElementLocation location = vertexIds_.find(id);
+  return location.valid() ? &vertices_[static_cast<std::size_t>(location.type)]->at(location.slot) : nullptr;
+}
+const Vertex* Graph::findVertex(std::int64_t id) const { return const_cast<Graph*>(this)->findVertex(id); }
+
+Parameter* Graph::findParameter(std::int64_t id) {
+  const ElementLocation location = parameterIds_.find(id);
+  return location.valid() ? &parameters_[static_cast<std::size_t>(location.type)]->at(location.slot) : nullptr;
+}
+const Parameter* Graph::findParameter(std::int64_t id) const { return const_cast<Graph*>(this)->findParameter(id); }
+
+Vertex& Graph::checkedVertex(std::int64_t id, std::string_view cppName) {
+  Vertex* vertex = findVertex(id);
+  if (!vertex) throw GraphError(fmt::format("vertex {} does not exist", id));
+  if (typeOf(*vertex).cppName() != cppName) {
+    throw GraphError(fmt::format("vertex {} is a {} ({}), not a {}", id, typeOf(*vertex).tag(), typeOf(*vertex).cppName(), cppName));
+  }
+  return *vertex;
+}
+
+void Graph::removeVertex(std::int64_t id) {
+  const ElementLocation location = vertexIds_.find(id);
+  if (!location.valid()) throw GraphError(fmt::format("vertex {} does not exist", id));
+  std::vector<Edge*> touching;
+  forEachEdge([&](Edge& edge) {
+    const auto ids = edge.vertexIds();
+    if (std::find(ids.begin(), ids.end(), id) != ids.end()) touching.push_back(&edge);
+  });
+  for (Edge* edge : touching) removeEdge(*edge);
+  ElementPool<Vertex>& pool = *vertices_[static_cast<std::size_t>(location.type)];
+  attachments_.erase(&pool.at(location.slot));
+  pool.remove(location.slot);
+  vertexIds_.erase(id);
+}
+
+void Graph::removeEdge(Edge& edge) {
+  ElementPool<Edge>* pool = edge.type_ < edges_.size() ? edges_[edge.type_].get() : nullptr;
+  if (!edge.alive_ || !pool || edge.slot_ >= pool->slots() || &pool->at(edge.slot_) != &edge) {
+    throw GraphError("an edge that is not of this graph cannot be removed from it");
+  }
+  attachments_.erase(&edge);
+  pool->remove(edge.slot_);
+  --edgeCount_;
+}
+
+void Graph::reserve(const VertexType& type, std::int64_t count) { poolOf(vertices_, type).reserve(count); }
+void Graph::reserve(const EdgeType& type, std::int64_t count) { poolOf(edges_, type).reserve(count); }
+
+Attachment& Graph::attachment(const Vertex& vertex) { return attachments_[&vertex]; }
+Attachment& Graph::attachment(const Edge& edge) { return attachments_[&edge]; }
+Attachment& Graph::attachment(const Parameter& parameter) { return attachments_[&parameter]; }
+const Attachment* Graph::findAttachment(const void* element) const {
+  const auto it = attachments_.find(element);
+  return it == attachments_.end() ? nullptr : &it->second;
+}
+
+namespace detail {
+
+Vertex& vertexOf(Graph& graph, std::int64_t id) { return *graph.findVertex(id); }
+const Parameter& parameterOf(const Graph& graph, std::int64_t id) { return *graph.findParameter(id); }
+std::span<const double> parameterValues(const Graph& graph, std::int64_t id) {
+  const Parameter& parameter = *graph.findParameter(id);
+  const ParameterType& type = graph.typeOf(parameter);
+  return {type.values(parameter), static_cast<std::size_t>(type.valueCount())};
+}
+
+}  // namespace detail
+}  // namespace quiver

@@ -1,0 +1,117 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include <quiver/core/io/source_text.h>
+#include <quiver/core/io/text_scanner.h>
+#include <quiver/core/registry/registry.h>
+
+namespace quiver::detail {
+
+enum class LineKind : std::uint8_t {
+  parameter,
+  vertex,
+  /// A vertex without an estimate: "#quiver vertex TAG id".
+  blankVertex,
+  edge,
+  fix,
+  data,
+  comment,
+  directive,
+  unknown,
+};
+
+/// What a tag stands for.
+struct TagEntry {
+  LineKind kind = LineKind::unknown;
+  /// Index in the registry's list of vertex, edge or parameter types.
+  int type = -1;
+  /// The information matrix stands in TORO's order.
+  bool toro = false;
+  /// Edges only: number of vertices (the least one), whether there may be more, and of parameters.
+  int arity = 0;
+  bool variableArity = false;
+  int parameters = 0;
+};
+
+/// Every tag a file may use, with what reading its lines needs. Immutable after construction, so threads share it.
+class TagTable {
+ public:
+  explicit TagTable(const Registry& registry);
+  /// nullptr if unknown.
+  const TagEntry* find(std::string_view tag) const;
+  const Registry& registry() const { return registry_; }
+  /// The descriptor of a parameter, vertex or edge entry.
+  const ElementType& elementType(const TagEntry& entry) const;
+
+ private:
+  void addToroTag(const std::string& tag, const std::string& g2oTag);
+
+  const Registry& registry_;
+  std::unordered_map<std::string_view, TagEntry> entries_;
+  /// Keys of entries that the registry does not hold.
+  std::vector<std::string> ownTags_;
+};
+
+/// One line that is not blank.
+struct G2oLine {
+  /// Its first token.
+  const char* begin = nullptr;
+  /// The first token after the ids; nullptr where the kind has no fields.
+  const char* fields = nullptr;
+  /// The tag's entry; nullptr where the tag is none of the table.
+  const TagEntry* entry = nullptr;
+  /// The ids of vertices, then of parameters: positions in G2oChunk::ids.
+  std::uint32_t firstId = 0;
+  std::uint32_t idCount = 0;
+  LineKind kind = LineKind::unknown;
+  /// The Vertex, Edge or Parameter, once the graph has it.
+  void* element = nullptr;
+};
+
+/// A piece of a text that ends at a line's end, taken apart into lines, tags and ids.
+struct G2oChunk {
+  std::string_view text;
+  std::vector<G2oLine> lines;
+  std::vector<std::int64_t> ids;
+};
+
+/// Takes one chunk apart. Thread safe for different chunks.
+class G2oIndexer {
+ public:
+  G2oIndexer(const SourceText& source, const TagTable& tags, bool refuseUnknown, G2oChunk& chunk)
+      : source_(source), tags_(tags), refuseUnknown_(refuseUnknown), chunk_(chunk), scanner_(chunk.text) {}
+
+  /// Fills chunk.lines and chunk.ids. Throws ParseError at the first line whose tag or ids are wrong; the lines before
+  /// it are kept.
+  void run();
+
+ private:
+  void readLine();
+  void readHash(std::string_view word, G2oLine& line);
+  const TagEntry* lookUp(std::string_view tag);
+  void readEdgeIds(const TagEntry& entry, std::string_view tag);
+  void readFixIds();
+  void refuseBinary(const char* begin);
+  /// Appends the next token, an id ≥ 0, to chunk.ids. `missing` describes what is missing if the line ends.
+  template <typename Describe>
+  void readId(const char* what, Describe missing);
+  [[noreturn]] void refuseTag(std::string_view tag) const;
+
+  const SourceText& source_;
+  const TagTable& tags_;
+  bool refuseUnknown_;
+  G2oChunk& chunk_;
+  TextScanner scanner_;
+  std::string_view lastTag_;
+  const TagEntry* lastEntry_ = nullptr;
+};
+
+/// Cuts a text after line ends into pieces of about the given size.
+std::vector<G2oChunk> cutIntoChunks(std::string_view text, std::size_t size);
+
+}  // namespace quiver::detail

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <quiver/core/graph/edge.h>
+#include <quiver/core/problem/panel.h>
+#include <quiver/core/problem/state.h>
+
+namespace quiver {
+
+class Graph;
+
+namespace detail {
+// Access to a graph for templates that its header cannot include.
+Vertex& vertexOf(Graph& graph, std::int64_t id);
+const Parameter& parameterOf(const Graph& graph, std::int64_t id);
+std::span<const double> parameterValues(const Graph& graph, std::int64_t id);
+}  // namespace detail
+
+/// What a batch is compiled from: edges of one type, in the problem's canonical order, and the slots of their vertices.
+struct BatchSource {
+  const Graph& graph;
+  const StateLayout& layout;
+  std::vector<const Edge*> edges;
+  /// The slots of edge i are slots[begin[i]] … slots[begin[i + 1] − 1].
+  std::vector<std::int32_t> slots;
+  std::vector<std::int64_t> begin;
+  /// Threads that compiling may use.
+  int threads = 1;
+};
+
+/// All active edges of one type, compiled: the boundary between types and solvers.
+///
+/// The solver decides which edges are evaluated, in which order, and what becomes of the panel; a batch never sees a matrix. Edges are
+/// numbered from 0 in the batch. Const functions may be called from several threads at once with different panels. What is
+/// computed for an edge does not depend on the other edges of the list nor on its place in it: the same bits always.
+class EdgeBatch {
+ public:
+  virtual ~EdgeBatch() = default;
+
+  int size() const { return static_cast<int>(edges_.size()); }
+  const Edge& edge(int i) const { return *edges_[static_cast<std::size_t>(i)]; }
+  std::span<const std::int32_t> slots(int i) const {
+    return {slots_.data() + begin_[static_cast<std::size_t>(i)], slots_.data() + begin_[static_cast<std::size_t>(i) + 1]};
+  }
+  /// Whether all edges have the shape `largestShape()`. If not, lists may hold one edge only.
+  virtual bool uniform() const = 0;
+  virtual EdgeShape shape(int edge) const = 0;
+  /// The largest rows and columns of any edge: the shape for a PanelBuffer.
+  virtual EdgeShape largestShape() const = 0;
+
+  /// Residuals, squared errors, costs and weights of at most 64 edges at `state`. Residuals are whitened, not yet weighted.
+  virtual void evaluate(const State& state, std::span<const std::int32_t> edges, const Panel& panel) const = 0;
+  /// The same and the Jacobian blocks, with residuals and blocks weighted by the robust kernels.
+  virtual void linearize(const State& state, std::span<const std::int32_t> edges, const Panel& panel) const = 0;
+
+  /// Reads measurements, information, parameters and kernels again from the same edges, whose structure is unchanged.
+  virtual void refresh(const Graph& graph, int threads) = 0;
+
+ protected:
+  explicit EdgeBatch(const BatchSource& source) : edges_(source.edges), slots_(source.slots), begin_(source.begin) {}
+
+ private:
+  std::vector<const Edge*> edges_;
+  std::vector<std::int32_t> slots_;
+  std::vector<std::int64_t> begin_;
+};
+
+}  // namespace quiver

@@ -1,0 +1,195 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <quiver/core/problem/edge_batch.h>
+#include <quiver/core/problem/scalar_loop.h>
+#include <quiver/core/problem/square_root.h>
+#include <quiver/core/util/aligned_buffer.h>
+#include <quiver/core/util/parallel.h>
+#include <quiver/geometry/scalar/isa.h>
+
+namespace quiver::detail {
+
+/// The form of an edge type's Jacobians and whether it runs in lanes: decided at compile time by what the type offers.
+template <typename E>
+struct EdgeFormOf {
+  using Functions = EdgeFunctions<E>;
+  using Loop = EdgeLoop<E>;
+  using Lane = Lanes<isa::Generic>;
+  template <typename S>
+  using DualOf = Dual<S, Loop::tangent>;
+  static constexpr Jacobians requested = requestedJacobians<E>();
+
+  static constexpr bool hasAnalytic = Functions::template anyJacobian<double>;
+  static constexpr bool hasDual = Functions::template anyError<DualOf<double>> && Functions::template retracts<DualOf<double>>;
+  static_assert(requested != Jacobians::analytic || hasAnalytic,
+                "jacobians = analytic needs linearizeOplus(measurement, estimates…, Matrix<S, N, D>&…)");
+  static_assert(requested != Jacobians::dual || hasDual,
+                "jacobians = dual needs computeError and the vertices' oplus as templates that return exactly Vector<S, N>");
+
+  static constexpr Jacobians jacobians =
+      requested != Jacobians::automatic ? requested
+                                        : (hasAnalytic ? Jacobians::analytic : (hasDual ? Jacobians::dual : Jacobians::numeric));
+
+  static constexpr bool laneError = Functions::packableMeasurement && Functions::template staticError<Lane>;
+  static constexpr bool laneJacobian =
+      jacobians == Jacobians::analytic
+          ? Functions::template staticJacobian<Lane>
+          : (jacobians == Jacobians::dual && Functions::template staticError<DualOf<Lane>> &&
+             Functions::template retracts<DualOf<Lane>>);
+  static_assert(!requestsLanes<E>() || laneError,
+                "lanes = true needs a static template computeError<S> that returns exactly Vector<S, N> and a packable measurement");
+  static constexpr bool lanes = requestsLanes<E>() && laneError && laneJacobian;
+
+  static EdgeForm describe() {
+    EdgeForm form;
+    form.jacobians = jacobians;
+    form.lanes = lanes;
+    if (requested != Jacobians::automatic) {
+      form.reason = "the type insists";
+    } else if (jacobians == Jacobians::analytic) {
+      form.reason = "the type has linearizeOplus";
+    } else if (jacobians == Jacobians::dual) {
+      form.reason = "computeError takes dual numbers";
+    } else {
+      form.reason = "neither linearizeOplus nor a computeError and oplus that take dual numbers and return exactly Vector<S, N>";
+    }
+    if (requestsLanes<E>() && !lanes) form.reason += "; one edge at a time, since the Jacobian does not take lanes";
+    return form;
+  }
+};
+
+/// A batch of an edge type whose shape is known at compile time.
+template <typename E>
+class FixedBatch final : public EdgeBatch {
+  using Loop = EdgeLoop<E>;
+  using Form = EdgeFormOf<E>;
+
+ public:
+  explicit FixedBatch(const BatchSource& source) : EdgeBatch(source), instructionSet_(detectInstructionSet()) {
+    const std::int64_t count = size();
+    const std::int64_t padded = (count + Panel::lanes - 1) / Panel::lanes * Panel::lanes;
+    constants_ = AlignedBuffer(padded * Loop::constants);
+    records_.resize(static_cast<std::size_t>(count * Loop::arity));
+    for (std::int64_t i = 0; i < count; ++i) {
+      const auto slots = this->slots(static_cast<int>(i));
+      for (int role = 0; role < Loop::arity; ++role) {
+        records_[static_cast<std::size_t>(role * count + i)] = source.layout.offset(slots[static_cast<std::size_t>(role)]);
+      }
+    }
+    objects_.reserve(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) objects_.push_back(&edge(i));
+    refresh(source.graph, source.threads);
+  }
+
+  bool uniform() const override { return true; }
+  EdgeShape shape(int) const override { return largestShape(); }
+  EdgeShape largestShape() const override { return {Loop::rows, {std::begin(Loop::columns), std::end(Loop::columns)}}; }
+
+  void evaluate(const State& state, std::span<const std::int32_t> edges, const Panel& panel) const override {
+    run<false>(view(state), edges.data(), static_cast<int>(edges.size()), panel);
+    applyKernels(panel, kernels_, edges, Loop::rows, {}, false);
+  }
+
+  void linearize(const State& state, std::span<const std::int32_t> edges, const Panel& panel) const override {
+    run<true>(view(state), edges.data(), static_cast<int>(edges.size()), panel);
+    applyKernels(panel, kernels_, edges, Loop::rows, Loop::columns, true);
+  }
+
+  void refresh(const Graph& graph, int threads) override {
+    constexpr int chunk = 256;
+    const int count = size();
+    const int chunks = (count + chunk - 1) / chunk;
+    std::vector<char> diagonal(static_cast<std::size_t>(chunks), 1);
+    std::vector<char> robust(static_cast<std::size_t>(chunks), 0);
+    parallelFor(chunks, threads, [&](std::int64_t c) {
+      const int end = std::min(count, static_cast<int>(c + 1) * chunk);
+      for (int i = static_cast<int>(c) * chunk; i < end; ++i) {
+        if (!pack(graph, i)) diagonal[static_cast<std::size_t>(c)] = 0;
+        if (edge(i).robustKernel()) robust[static_cast<std::size_t>(c)] = 1;
+      }
+    });
+    diagonal_ = std::find(diagonal.begin(), diagonal.end(), 0) == diagonal.end();
+    if (std::find(robust.begin(), robust.end(), 1) == robust.end()) {
+      kernels_.clear();
+      return;
+    }
+    kernels_.resize(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) kernels_[static_cast<std::size_t>(i)] = edge(i).robustKernel();
+  }
+
+ private:
+  BatchView view(const State& state) const {
+    return {constants_.data(), records_.data(), size(), state.data(), diagonal_, objects_.data()};
+  }
+
+  /// Lays out the constants of one edge; whether its U is diagonal. The last edge also fills the lanes behind it.
+  bool pack(const Graph& graph, int i) {
+    const E& edge = static_cast<const E&>(this->edge(i));
+    double numbers[Loop::constants];
+    if constexpr (Packable<typename E::Measurement>) {
+      std::copy_n(edge.measurementStore().values(), Loop::measurementSize, numbers);
+    }
+    double* next = numbers + Loop::measurementSize;
+    for (const std::int64_t id : edge.parameterIds()) {
+      const std::span<const double> values = parameterValues(graph, id);
+      next = std::copy(values.begin(), values.end(), next);
+    }
+    const bool diagonal = squareRoot(edge.informationStore().values(), Loop::rows, next);
+    if constexpr (Form::lanes) {
+      const int last = i + 1 == size() ? (i / Panel::lanes + 1) * Panel::lanes - 1 : i;
+      for (int lane = i; lane <= last; ++lane) {
+        double* out = constants_.data() + std::int64_t{lane / Panel::lanes} * Loop::constants * Panel::lanes + lane % Panel::lanes;
+        for (int k = 0; k < Loop::constants; ++k) out[k * Panel::lanes] = numbers[k];
+      }
+    } else {
+      std::copy_n(numbers, Loop::constants, constants_.data() + std::int64_t{i} * Loop::constants);
+    }
+    return diagonal;
+  }
+
+  template <bool withJacobians>
+  void run(const BatchView& view, const std::int32_t* edges, int count, const Panel& panel) const {
+    switch (instructionSet_) {
+      case InstructionSet::avx512:
+        return runAvx512<withJacobians>(view, edges, count, panel);
+      case InstructionSet::avx2:
+        return runAvx2<withJacobians>(view, edges, count, panel);
+      case InstructionSet::generic:
+        return runGeneric<withJacobians>(view, edges, count, panel);
+    }
+  }
+
+  template <typename Isa, bool withJacobians>
+  static inline void loop(const BatchView& view, const std::int32_t* edges, int count, const Panel& panel) {
+    if constexpr (Form::lanes) {
+      laneLoop<E, Lanes<Isa>, Form::jacobians == Jacobians::analytic, withJacobians>(view, edges, count, panel);
+    } else {
+      scalarLoop<E, Form::jacobians, withJacobians>(view, edges, count, panel);
+    }
+  }
+
+  template <bool withJacobians>
+  QUIVER_BATCH_LOOP_AVX512 static void runAvx512(const BatchView& view, const std::int32_t* edges, int count, const Panel& panel) {
+    loop<isa::Avx512, withJacobians>(view, edges, count, panel);
+  }
+  template <bool withJacobians>
+  QUIVER_BATCH_LOOP_AVX2 static void runAvx2(const BatchView& view, const std::int32_t* edges, int count, const Panel& panel) {
+    loop<isa::Avx2, withJacobians>(view, edges, count, panel);
+  }
+  template <bool withJacobians>
+  QUIVER_BATCH_LOOP_GENERIC static void runGeneric(const BatchView& view, const std::int32_t* edges, int count, const Panel& panel) {
+    loop<isa::Generic, withJacobians>(view, edges, count, panel);
+  }
+
+  InstructionSet instructionSet_;
+  AlignedBuffer constants_;
+  std::vector<std::int64_t> records_;
+  std::vector<const Edge*> objects_;
+  std::vector<RobustKernel> kernels_;
+  bool diagonal_ = false;
+};
+
+}  // namespace quiver::detail

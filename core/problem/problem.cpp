@@ -1,0 +1,240 @@
+#include <quiver/core/problem/problem.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include <quiver/core/problem/canonical_order.h>
+#include <quiver/core/util/error.h>
+#include <quiver/core/util/parallel.h>
+
+namespace quiver {
+namespace {
+
+constexpr int pieceEdges = 256;
+
+bool coversAll(std::uint64_t mask, int dimension) {
+  const std::uint64_t all = dimension >= 64 ? Vertex::allDirections : (std::uint64_t{1} << dimension) - 1;
+  return (mask & all) == all;
+}
+
+}  // namespace
+
+Problem::Problem(Graph& graph, const ProblemScope& scope) : graph_(&graph), threads_(std::max(1, scope.threads)) {
+  std::vector<std::vector<const Edge*>> edges = collectEdges(scope);
+  collectVertices(scope, edges);
+  makeBatches(std::move(edges));
+  state_ = State(layout_);
+  loadState();
+  trial_ = state_;
+}
+
+std::vector<std::vector<const Edge*>> Problem::collectEdges(const ProblemScope& scope) const {
+  const std::vector<std::int64_t> free = [&] {
+    std::vector<std::int64_t> ids = scope.free;
+    std::sort(ids.begin(), ids.end());
+    for (const std::int64_t id : ids) {
+      if (!graph_->findVertex(id)) throw GraphError(fmt::format("vertex {} is to be optimised but does not exist", id));
+    }
+    return ids;
+  }();
+  std::vector<std::vector<const Edge*>> edges(graph_->registry()->edgeTypes().size());
+  std::as_const(*graph_).forEachEdge([&](const Edge& edge) {
+    if (scope.level >= 0 && edge.level() != scope.level) return;
+    if (!free.empty()) {
+      const auto ids = edge.vertexIds();
+      if (std::none_of(ids.begin(), ids.end(), [&](std::int64_t id) { return std::binary_search(free.begin(), free.end(), id); })) {
+        return;
+      }
+    }
+    edges[static_cast<std::size_t>(edge.type())].push_back(&edge);
+  });
+  for (auto& list : edges) sortEdges(*graph_, list);
+  return edges;
+}
+
+void Problem::collectVertices(const ProblemScope& scope, const std::vector<std::vector<const Edge*>>& edges) {
+  std::vector<Vertex*> touched;
+  for (const auto& list : edges) {
+    for (const Edge* edge : list) {
+      for (const std::int64_t id : edge->vertexIds()) touched.push_back(graph_->findVertex(id));
+    }
+  }
+  sortVertices(*graph_, touched);
+  vertices_ = std::move(touched);
+
+  const std::vector<std::int64_t> free = [&] {
+    std::vector<std::int64_t> ids = scope.free;
+    std::sort(ids.begin(), ids.end());
+    return ids;
+  }();
+  std::vector<char> movable(vertices_.size(), 1);
+  for (std::size_t slot = 0; slot < vertices_.size(); ++slot) {
+    const Vertex& vertex = *vertices_[slot];
+    const VertexType& type = graph_->typeOf(vertex);
+    if (!vertex.hasEstimate()) {
+      throw GraphError(fmt::format("vertex {} ({}) has no estimate: set one, or run an initial guess first", vertex.id(), type.tag()));
+    }
+    layout_.append(type.valueCount(vertex));
+    const bool chosen = free.empty() || std::binary_search(free.begin(), free.end(), vertex.id());
+    movable[slot] = chosen && !coversAll(vertex.fixedDirections(), type.dimension(vertex));
+  }
+  numberVariables(movable);
+
+  if (static_cast<std::int64_t>(vertices_.size()) != graph_->vertexCount()) {
+    std::vector<const Vertex*> known(vertices_.begin(), vertices_.end());
+    std::sort(known.begin(), known.end());
+    std::as_const(*graph_).forEachVertex([&](const Vertex& vertex) {
+      const bool chosen = free.empty() || std::binary_search(free.begin(), free.end(), vertex.id());
+      if (chosen && !vertex.fixed() && !std::binary_search(known.begin(), known.end(), &vertex)) isolated_.push_back(vertex.id());
+    });
+    std::sort(isolated_.begin(), isolated_.end());
+  }
+}
+
+void Problem::numberVariables(const std::vector<char>& movable) {
+  slotVariables_.assign(vertices_.size(), -1);
+  variableSlots_.clear();
+  dimensions_.clear();
+  offsets_.assign(1, 0);
+  held_.clear();
+  anyHeld_ = false;
+  for (std::size_t slot = 0; slot < vertices_.size(); ++slot) {
+    if (!movable[slot]) continue;
+    const Vertex& vertex = *vertices_[slot];
+    const int dimension = graph_->typeOf(vertex).dimension(vertex);
+    slotVariables_[slot] = static_cast<int>(variableSlots_.size());
+    variableSlots_.push_back(static_cast<int>(slot));
+    dimensions_.push_back(dimension);
+    offsets_.push_back(offsets_.back() + dimension);
+    held_.push_back(vertex.fixedDirections());
+    anyHeld_ = anyHeld_ || vertex.fixedDirections() != 0;
+  }
+}
+
+void Problem::fixVariables(std::span<const int> variables) {
+  std::vector<char> movable(vertices_.size());
+  for (std::size_t slot = 0; slot < vertices_.size(); ++slot) movable[slot] = slotVariables_[slot] >= 0;
+  for (const int variable : variables) movable[static_cast<std::size_t>(slotOfVariable(variable))] = 0;
+  numberVariables(movable);
+}
+
+void Problem::makeBatches(std::vector<std::vector<const Edge*>> edges) {
+  const std::vector<int> order = edgeTypeOrder(*graph_->registry());
+  const SlotTable slots(vertices_);
+  int largest = 0;
+  for (const int type : order) {
+    auto& list = edges[static_cast<std::size_t>(type)];
+    if (list.empty()) continue;
+    BatchSource source{*graph_, layout_, std::move(list), {}, {0}, threads_};
+    for (const Edge* edge : source.edges) {
+      for (const std::int64_t id : edge->vertexIds()) source.slots.push_back(slots.find(id));
+      source.begin.push_back(static_cast<std::int64_t>(source.slots.size()));
+    }
+    const EdgeType& edgeType = *graph_->registry()->edgeTypes()[static_cast<std::size_t>(type)];
+    batches_.push_back(edgeType.makeBatch(source));
+    edgeTypes_.push_back(&edgeType);
+    const int size = batches_.back()->size();
+    edges_ += size;
+    largest = std::max(largest, size);
+    for (int begin = 0; begin < size; begin += pieceEdges) {
+      pieces_.push_back({static_cast<int>(batches_.size()) - 1, begin, std::min(size, begin + pieceEdges), {}});
+    }
+  }
+  counting_.resize(static_cast<std::size_t>(largest));
+  std::iota(counting_.begin(), counting_.end(), 0);
+  const int tasks = threads_ == 1 ? 1 : 4 * threads_;
+  panels_.resize(static_cast<std::size_t>(tasks));
+  for (auto& panels : panels_) {
+    for (const auto& batch : batches_) panels.emplace_back(batch->largestShape(), false);
+  }
+}
+
+void Problem::loadState() {
+  for (int slot = 0; slot < slots(); ++slot) {
+    const double* values = vertexType(slot).values(vertex(slot));
+    std::copy_n(values, layout_.valueCount(slot), state_.record(slot));
+  }
+}
+
+void Problem::refresh() {
+  loadState();
+  trial_ = state_;
+  for (const auto& batch : batches_) batch->refresh(*graph_, threads_);
+}
+
+void Problem::store() {
+  for (int variable = 0; variable < variables(); ++variable) {
+    const int slot = slotOfVariable(variable);
+    vertexType(slot).setValues(*vertices_[static_cast<std::size_t>(slot)], state_.record(slot));
+  }
+}
+
+void Problem::saveBest() {
+  if (best_.offsets() == nullptr) best_ = State(layout_);
+  best_ = state_;
+}
+
+void Problem::retract(std::span<const double> delta) {
+  constexpr int piece = 256;
+  const int count = variables();
+  parallelFor((count + piece - 1) / piece, threads_, [&](std::int64_t p) {
+    const int end = std::min(count, static_cast<int>(p + 1) * piece);
+    for (int variable = static_cast<int>(p) * piece; variable < end; ++variable) {
+      const int slot = slotOfVariable(variable);
+      vertexType(slot).retract(state_.record(slot), delta.data() + offset(variable), trial_.record(slot), dimension(variable));
+    }
+  });
+}
+
+double Problem::stateNorm() const {
+  double sum = 0.0;
+  for (int variable = 0; variable < variables(); ++variable) {
+    const int slot = slotOfVariable(variable);
+    const double* values = state_.record(slot);
+    for (int i = 0; i < layout_.valueCount(slot); ++i) sum += values[i] * values[i];
+  }
+  return std::sqrt(sum);
+}
+
+CostTotals Problem::evaluate(const State& state) {
+  const auto evaluatePiece = [&](Piece& piece, std::vector<PanelBuffer>& panels) {
+    const EdgeBatch& batch = *batches_[static_cast<std::size_t>(piece.batch)];
+    const Panel& panel = panels[static_cast<std::size_t>(piece.batch)].panel();
+    const int step = batch.uniform() ? Panel::capacity : 1;
+    piece.totals = {};
+    for (int begin = piece.begin; begin < piece.end; begin += step) {
+      const int count = std::min(step, piece.end - begin);
+      batch.evaluate(state, {counting_.data() + begin, static_cast<std::size_t>(count)}, panel);
+      for (int i = 0; i < count; ++i) {
+        piece.totals.chi2 += panel.squaredError[i];
+        piece.totals.cost += panel.cost[i];
+        if (piece.totals.badBatch < 0 && !std::isfinite(panel.squaredError[i])) {
+          piece.totals.badBatch = piece.batch;
+          piece.totals.badEdge = begin + i;
+        }
+      }
+    }
+  };
+  const std::int64_t tasks = static_cast<std::int64_t>(panels_.size());
+  const std::int64_t count = static_cast<std::int64_t>(pieces_.size());
+  parallelFor(tasks, threads_, [&](std::int64_t task) {
+    for (std::int64_t i = task * count / tasks; i < (task + 1) * count / tasks; ++i) {
+      evaluatePiece(pieces_[static_cast<std::size_t>(i)], panels_[static_cast<std::size_t>(task)]);
+    }
+  });
+  CostTotals totals;
+  for (const Piece& piece : pieces_) {
+    totals.chi2 += piece.totals.chi2;
+    totals.cost += piece.totals.cost;
+    if (totals.badBatch < 0 && piece.totals.badBatch >= 0) {
+      totals.badBatch = piece.totals.badBatch;
+      totals.badEdge = piece.totals.badEdge;
+    }
+  }
+  return totals;
+}
+
+}  // namespace quiver

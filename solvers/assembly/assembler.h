@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <quiver/core/problem/problem.h>
+#include <quiver/core/util/aligned_buffer.h>
+#include <quiver/solvers/assembly/assembly_plan.h>
+#include <quiver/solvers/assembly/lane_products.h>
+#include <quiver/solvers/block/block_matrix.h>
+
+namespace quiver {
+
+/// Computes H = Σ JᵀJ and g = Σ Jᵀr from the panels of a problem's edge batches, in parallel and with the same bits for any number of
+/// threads: first every edge writes its records and its own blocks, then every vertex adds its records in a fixed order.
+class Assembler {
+ public:
+  Assembler() = default;
+  /// `position[variable]` is the block of `matrix` that belongs to the variable. The problem must outlive the assembler.
+  Assembler(const Problem& problem, const BlockMatrix& matrix, std::vector<int> position, int threads);
+
+  /// Overwrites matrix and gradient (in the order of variables). Allocates nothing. Seconds of the two passes are added to `linearize`
+  /// and `assemble`.
+  CostTotals assemble(const State& state, BlockMatrix& matrix, std::span<double> gradient, PhaseSeconds& seconds);
+
+  const std::vector<int>& position() const { return position_; }
+
+ private:
+  /// Kernels of a batch whose edges all have one shape.
+  struct BatchKernels {
+    bool uniform = false;
+    EdgeShape shape;
+    std::vector<LaneProducts::Square> squares;
+    std::vector<LaneProducts::Cross> crosses;
+  };
+  struct Piece {
+    int batch;
+    int begin;
+    int end;
+    CostTotals totals;
+  };
+  /// Memory of one task.
+  struct Workspace {
+    std::vector<PanelBuffer> panels;
+    AlignedBuffer block;  // eight edges' AᵀB
+  };
+
+  void linearizePiece(const State& state, BlockMatrix& matrix, Piece& piece, Workspace& work);
+  void addTotals(const Panel& panel, int first, int count, Piece& piece) const;
+  void writeRecords(const Piece& piece, int first, int count, const Panel& panel, const EdgeShape& shape, BlockMatrix& matrix,
+                    Workspace& work);
+  void writePairs(const Piece& piece, int first, int count, int group, const Panel& panel, const EdgeShape& shape, BlockMatrix& matrix,
+                  Workspace& work);
+  void dropHeldColumns(const Piece& piece, int first, int count, const Panel& panel, const EdgeShape& shape) const;
+  void gatherVariable(int variable, BlockMatrix& matrix, std::span<double> gradient) const;
+
+  const Problem* problem_ = nullptr;
+  AssemblyPlan plan_;
+  std::vector<int> position_;
+  int threads_ = 1;
+  InstructionSet set_ = InstructionSet::generic;
+  std::vector<BatchKernels> kernels_;
+  std::vector<Piece> pieces_;
+  std::vector<Workspace> workspaces_;
+  std::vector<std::int32_t> counting_;
+  AlignedBuffer records_;
+  AlignedBuffer shared_;
+  /// Where records of fixed vertices and lanes beyond the last edge go; one a task.
+  AlignedBuffer nowhere_;
+  std::int64_t nowhereSize_ = 0;
+};
+
+}  // namespace quiver

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <quiver/geometry/scalar/isa.h>
+
+namespace quiver {
+
+/// Products of Jacobian blocks that lie in lanes, for one group of eight edges; `rows` is the error's dimension. Sizes met often are
+/// compiled as constants, others run in loops; either way eight edges at once in the machine's best instruction set.
+///
+/// A block is `rows` × `columns`, column-major in lanes (Panel's layout, at the group's first number).
+class LaneProducts {
+ public:
+  /// Packs for every edge i the upper triangle of JᵀJ, row by row, then Jᵀr, to out[i].
+  using Square = void (*)(const double* J, const double* residual, int rows, int columns, double* const* out);
+  /// Packs for every edge i the columnsA × columnsB block AᵀB, column-major, to out[i].
+  using Cross = void (*)(const double* A, const double* B, int rows, int columnsA, int columnsB, double* const* out);
+
+  /// Kernels for a size on an instruction set that the machine has.
+  static Square square(InstructionSet set, int rows, int columns);
+  static Cross cross(InstructionSet set, int rows, int columnsA, int columnsB);
+
+  /// Numbers that `Square` packs for one edge.
+  static constexpr int squareSize(int columns) { return columns * (columns + 1) / 2 + columns; }
+};
+
+}  // namespace quiver

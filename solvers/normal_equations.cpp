@@ -1,0 +1,152 @@
+#include <quiver/solvers/normal_equations.h>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <quiver/core/algorithm/options.h>
+#include <quiver/core/util/stopwatch.h>
+#include <quiver/solvers/backends/block_solver.h>
+#include <quiver/solvers/backends/dense_solver.h>
+
+namespace quiver {
+namespace {
+
+/// Below this many unknown scalars a dense factorisation costs less than any bookkeeping.
+constexpr std::int64_t denseScalars = 48;
+
+LinearOutcome::Kind kindOf(SolverStatus::Outcome outcome) {
+  switch (outcome) {
+    case SolverStatus::Outcome::success:
+      return LinearOutcome::Kind::success;
+    case SolverStatus::Outcome::notPositiveDefinite:
+      return LinearOutcome::Kind::notPositiveDefinite;
+    case SolverStatus::Outcome::notConverged:
+      return LinearOutcome::Kind::notConverged;
+    case SolverStatus::Outcome::interrupted:
+      return LinearOutcome::Kind::interrupted;
+    case SolverStatus::Outcome::memoryLimit:
+      break;
+  }
+  return LinearOutcome::Kind::memoryLimit;
+}
+
+}  // namespace
+
+NormalEquations::NormalEquations(std::unique_ptr<LinearSolver> solver) : solver_(std::move(solver)) {}
+NormalEquations::NormalEquations() : choose_(true) {}
+
+void NormalEquations::chooseSolver(const BlockPattern& pattern) {
+  const std::int64_t scalars = pattern.layout().scalars();
+  const double full = 0.5 * pattern.blocks() * (pattern.blocks() + 1.0);
+  const double fill = static_cast<double>(pattern.entries()) / std::max(1.0, full);
+  if (scalars <= denseScalars || (fill > 0.6 && scalars <= 2000)) {
+    solver_ = makeDenseSolver();
+    plan_.linearSolverReason = fmt::format("{} unknown scalars, {:.0f} % of the blocks present: dense is cheapest", scalars, 100.0 * fill);
+  } else {
+    solver_ = makeBlockSolver();
+    plan_.linearSolverReason = fmt::format("{} unknown scalars, {:.2g} % of the blocks present: sparse block Cholesky", scalars, 100.0 * fill);
+  }
+}
+
+void NormalEquations::analyze(const Problem& problem, const Options& options, int threads) {
+  (void)options;
+  problem_ = &problem;
+  plan_ = {};
+  const BlockLayout layout(std::vector<int>(problem.dimensions().begin(), problem.dimensions().end()));
+  const BlockPattern natural = BlockPattern::fromPairs(layout, AssemblyPlan::variablePairs(problem));
+  if (choose_) {
+    chooseSolver(natural);
+  } else {
+    plan_.linearSolverReason = "as asked";
+  }
+  BlockOrdering ordering = solver_->order(natural);
+  order_ = std::move(ordering.order);
+  std::vector<int> position(order_.size());
+  for (std::size_t block = 0; block < order_.size(); ++block) position[static_cast<std::size_t>(order_[block])] = static_cast<int>(block);
+  const auto pattern = std::make_shared<const BlockPattern>(natural.permuted(order_));
+  matrix_ = BlockMatrix(pattern);
+  solver_->analyze(pattern, threads);
+  assembler_ = Assembler(problem, matrix_, std::move(position), threads);
+
+  const auto scalars = static_cast<std::size_t>(layout.scalars());
+  gradient_.assign(scalars, 0.0);
+  diagonal_.assign(scalars, 0.0);
+  blockDamping_.assign(scalars, 0.0);
+  blockVector_.assign(scalars, 0.0);
+  blockResult_.assign(scalars, 0.0);
+  const FactorStatistics statistics = solver_->statistics();
+  plan_.linearSolver = solver_->name();
+  plan_.ordering = ordering.name;
+  plan_.scalars = layout.scalars();
+  plan_.factorNonzeros = statistics.nonzeros;
+  plan_.factorFlops = statistics.flops;
+  plan_.bytes = statistics.bytes;
+  plan_.eliminationReason = "no vertices are eliminated beforehand";
+}
+
+CostTotals NormalEquations::linearize(const State& state) {
+  const CostTotals totals = assembler_.assemble(state, matrix_, gradient_, seconds_);
+  Stopwatch watch;
+  matrix_.diagonal(blockResult_);
+  toVariables(blockResult_, diagonal_);
+  seconds_.assemble += watch.lap();
+  return totals;
+}
+
+LinearOutcome NormalEquations::solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) {
+  Stopwatch watch;
+  std::span<const double> blockDamping;
+  if (!damping.empty()) {
+    toBlocks(damping, blockDamping_);
+    blockDamping = blockDamping_;
+  }
+  SolverStatus status = solver_->factorize(matrix_, blockDamping, stop);
+  seconds_.factorize += watch.lap();
+  LinearOutcome outcome;
+  if (status.ok()) {
+    toBlocks(gradient_, blockVector_);
+    for (double& value : blockVector_) value = -value;
+    status = solver_->solve(blockVector_);
+    toVariables(blockVector_, delta);
+    seconds_.solve += watch.lap();
+    outcome.iterations = solver_->statistics().iterations;
+  }
+  outcome.kind = kindOf(status.outcome);
+  if (status.block >= 0) outcome.variable = order_[static_cast<std::size_t>(status.block)];
+  outcome.coordinate = status.coordinate;
+  outcome.pivot = status.pivot;
+  return outcome;
+}
+
+void NormalEquations::multiply(std::span<const double> x, std::span<double> y) const {
+  toBlocks(x, blockVector_);
+  matrix_.multiply(blockVector_, blockResult_);
+  toVariables(blockResult_, y);
+}
+
+void NormalEquations::toBlocks(std::span<const double> variables, std::span<double> blocks) const {
+  for (std::size_t block = 0; block < order_.size(); ++block) {
+    const int variable = order_[block];
+    std::copy_n(variables.data() + problem_->offset(variable), problem_->dimension(variable),
+                blocks.data() + matrix_.layout().offset(static_cast<int>(block)));
+  }
+}
+
+void NormalEquations::toVariables(std::span<const double> blocks, std::span<double> variables) const {
+  for (std::size_t block = 0; block < order_.size(); ++block) {
+    const int variable = order_[block];
+    std::copy_n(blocks.data() + matrix_.layout().offset(static_cast<int>(block)), problem_->dimension(variable),
+                variables.data() + problem_->offset(variable));
+  }
+}
+
+void NormalEquations::addSeconds(PhaseSeconds& seconds) {
+  seconds.linearize += seconds_.linearize;
+  seconds.assemble += seconds_.assemble;
+  seconds.factorize += seconds_.factorize;
+  seconds.solve += seconds_.solve;
+  seconds_ = {};
+}
+
+}  // namespace quiver

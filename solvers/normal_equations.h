@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <quiver/core/algorithm/linear_system.h>
+#include <quiver/solvers/assembly/assembler.h>
+#include <quiver/solvers/backends/linear_solver.h>
+
+namespace quiver {
+
+/// The linear system of all variables at once: H in the solver's elimination order, assembled from panels, factored by a linear solver.
+class NormalEquations final : public LinearSystem {
+ public:
+  explicit NormalEquations(std::unique_ptr<LinearSolver> solver);
+  /// The solver chosen by predicted cost when the structure is known.
+  NormalEquations();
+
+  void analyze(const Problem& problem, const Options& options, int threads) override;
+  CostTotals linearize(const State& state) override;
+  LinearOutcome solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) override;
+  std::span<const double> gradient() const override { return gradient_; }
+  std::span<const double> diagonal() const override { return diagonal_; }
+  void multiply(std::span<const double> x, std::span<double> y) const override;
+  const SolvePlan& plan() const override { return plan_; }
+  void addSeconds(PhaseSeconds& seconds) override;
+
+ private:
+  void chooseSolver(const BlockPattern& pattern);
+  /// Copies between the order of variables and that of blocks.
+  void toBlocks(std::span<const double> variables, std::span<double> blocks) const;
+  void toVariables(std::span<const double> blocks, std::span<double> variables) const;
+
+  const Problem* problem_ = nullptr;
+  std::unique_ptr<LinearSolver> solver_;
+  bool choose_ = false;
+  BlockMatrix matrix_;
+  Assembler assembler_;
+  std::vector<int> order_;  // order_[block] = variable
+  std::vector<double> gradient_;
+  std::vector<double> diagonal_;
+  std::vector<double> blockDamping_;
+  mutable std::vector<double> blockVector_;
+  mutable std::vector<double> blockResult_;
+  SolvePlan plan_;
+  PhaseSeconds seconds_;
+};
+
+}  // namespace quiver
