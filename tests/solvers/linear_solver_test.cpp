@@ -5,11 +5,14 @@
 #include <functional>
 
 #include <quiver/core/util/error.h>
+#include <quiver/solvers/backends/block_solver.h>
 #include <quiver/solvers/backends/dense_solver.h>
 #include <quiver/solvers/backends/eigen_solver.h>
 #ifdef QUIVER_TEST_CHOLMOD
 #  include <quiver/solvers/backends/cholmod/cholmod_solver.h>
 #endif
+#include <quiver/solvers/cholesky/block_cholesky.h>
+#include <quiver/solvers/cholesky/kernels/kernel_table.h>
 #include <tests/solvers/random_system.h>
 
 namespace quiver::test {
@@ -197,12 +200,19 @@ TEST_P(LinearSolverTest, reportsTheSizeOfTheFactor) {
   EXPECT_GT(solver->statistics().bytes, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, LinearSolverTest,
-                         ::testing::Values(
+std::vector<Backend> allBackends() {
+  std::vector<Backend> backends{{"block", makeBlockSolver}, {"dense", makeDenseSolver}, {"eigen", makeEigenSolver}};
 #ifdef QUIVER_TEST_CHOLMOD
-                             Backend{"cholmod", makeCholmodSolver},
+  backends.push_back({"cholmod", makeCholmodSolver});
 #endif
-                             Backend{"dense", makeDenseSolver}, Backend{"eigen", makeEigenSolver}),
+  for (const detail::KernelLevel level : detail::availableKernelLevels()) {
+    backends.push_back({std::string("block_") + detail::kernelTable(level).name,
+                        [level] { return std::make_unique<detail::BlockCholesky>(level); }});
+  }
+  return backends;
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, LinearSolverTest, ::testing::ValuesIn(allBackends()),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace

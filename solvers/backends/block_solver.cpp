@@ -1,0 +1,9 @@
+#include <quiver/solvers/backends/block_solver.h>
+
+#include <quiver/solvers/cholesky/block_cholesky.h>
+
+namespace quiver {
+
+std::unique_ptr<LinearSolver> makeBlockSolver() { return std::make_unique<detail::BlockCholesky>(); }
+
+}  // namespace quiver

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <memory>
+
+#include <quiver/solvers/backends/linear_solver.h>
+
+namespace quiver {
+
+/// "block": quiver's own sparse block Cholesky, for any block dimensions; the default. Kernels for the processor's
+/// instruction set are chosen at run time. The same bits for any number of threads; no allocation after `analyze`.
+std::unique_ptr<LinearSolver> makeBlockSolver();
+
+}  // namespace quiver

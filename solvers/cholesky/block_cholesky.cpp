@@ -1,0 +1,282 @@
+#include <quiver/solvers/cholesky/block_cholesky.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include <quiver/core/util/parallel.h>
+#include <quiver/solvers/backends/validate.h>
+
+namespace quiver::detail {
+namespace {
+
+/// Scalar columns of a front that are assembled or formed together, and rows that are finished together.
+constexpr int assemblyColumns = 48;
+constexpr int updateColumns = 48;
+constexpr int taskRows = 96;
+
+}  // namespace
+
+BlockCholesky::BlockCholesky(KernelLevel level) : kernels_(kernelTable(level)) {}
+
+void BlockCholesky::analyze(std::shared_ptr<const BlockPattern> pattern, int threads) {
+  factored_ = false;
+  pattern_ = std::move(pattern);
+  plan_ = FactorPlan(*pattern_, threads);
+  values_ = AlignedBuffer(plan_.valueCount + 8);
+  inverse_ = AlignedBuffer(pattern_->layout().scalars());
+  arena_ = AlignedBuffer(plan_.arenaCount + 8);
+  workspace_ = AlignedBuffer(plan_.workspaceCount);
+  x_ = AlignedBuffer(pattern_->layout().scalars());
+  failures_.assign(plan_.schedule.tasks.size(), {});
+}
+
+FactorStatistics BlockCholesky::statistics() const {
+  const std::int64_t doubles = values_.size() + inverse_.size() + arena_.size() + workspace_.size() + x_.size();
+  return {plan_.size.nonzeros, plan_.size.flops, doubles * 8 + plan_.bytes(), 0};
+}
+
+SolverStatus BlockCholesky::factorize(const BlockMatrix& matrix, std::span<const double> damping,
+                                      const StopCondition& stop) {
+  validateFactorize(name(), pattern_.get(), matrix, damping);
+  factored_ = false;
+  const Input input{matrix.values().data(), damping.empty() ? nullptr : damping.data()};
+  const TaskSchedule& schedule = plan_.schedule;
+  std::atomic<bool> stopped{false};
+  parallelFor(static_cast<std::int64_t>(schedule.tasks.size()), schedule.threads, [&](std::int64_t t) {
+    const TaskSchedule::Task& task = schedule.tasks[t];
+    failures_[t] = {};
+    for (int node = task.begin; node < task.end && failures_[t].scalar < 0; ++node) {
+      if (stopped.load(std::memory_order_relaxed)) return;
+      if (stop.reached()) stopped = true;
+      failures_[t] = factorNode(node, input, 1);
+    }
+  });
+  if (stopped || stop.reached()) return {.outcome = SolverStatus::Outcome::interrupted};
+  // The first in the factor's numbering, whichever task met it first.
+  const Failure* first = nullptr;
+  for (const Failure& failure : failures_) {
+    if (failure.scalar >= 0 && (first == nullptr || failure.scalar < first->scalar)) first = &failure;
+  }
+  if (first != nullptr) return statusOf(*first);
+  for (const int node : schedule.top) {
+    if (stop.reached()) return {.outcome = SolverStatus::Outcome::interrupted};
+    const Failure failure = factorNode(node, input, isLargeFront(plan_.nodes[node]) ? schedule.threads : 1);
+    if (failure.scalar >= 0) return statusOf(failure);
+  }
+  factored_ = true;
+  return {};
+}
+
+SolverStatus BlockCholesky::statusOf(const Failure& failure) const {
+  const auto after = std::upper_bound(plan_.blockScalar.begin(), plan_.blockScalar.end(), failure.scalar);
+  const auto column = after - plan_.blockScalar.begin() - 1;
+  const auto coordinate = static_cast<int>(failure.scalar - plan_.blockScalar[column]);
+  return {SolverStatus::Outcome::notPositiveDefinite, plan_.blocks[column], coordinate, failure.pivot};
+}
+
+BlockCholesky::Failure BlockCholesky::factorNode(int node, const Input& input, int threads) {
+  return plan_.nodes[node].leaf ? factorLeaf(node, input) : factorFront(node, input, threads);
+}
+
+/// Copies the blocks of H in the given columns into the node's values (stride 0: leaf blocks) and adds the damping.
+void BlockCholesky::loadColumns(int node, const Input& input, int firstBlock, int lastBlock, std::int64_t stride) {
+  double* values = values_.data() + plan_.storage[node].values;
+  for (int column = firstBlock; column < lastBlock; ++column) {
+    const LoadEntry* entry = plan_.loads.data() + plan_.loadBegin[column];
+    const LoadEntry* end = plan_.loads.data() + plan_.loadBegin[column + 1];
+    const std::int64_t columnStride = stride != 0 ? stride : leafStride(entry->columns);
+    double* diagonal = values + entry->destination;
+    const int dimension = entry->columns;
+    for (; entry != end; ++entry) {
+      const double* from = input.values + entry->source;
+      double* to = values + entry->destination;
+      for (int c = 0; c < entry->columns; ++c) {
+        for (int r = 0; r < entry->rows; ++r) to[r] = from[r];
+        from += entry->rows;
+        to += columnStride;
+      }
+    }
+    if (input.damping == nullptr) continue;
+    const double* damping = input.damping + plan_.patternScalar[column];
+    for (int c = 0; c < dimension; ++c) diagonal[c * (columnStride + 1)] += damping[c];
+  }
+}
+
+BlockCholesky::Failure BlockCholesky::factorLeaf(int node, const Input& input) {
+  const TreeNode& leaf = plan_.nodes[node];
+  const NodeStorage& storage = plan_.storage[node];
+  double* values = values_.data() + storage.values;
+  double* update = arena_.data() + storage.update;
+  std::memset(values, 0, static_cast<std::size_t>(plan_.storage[node + 1].values - storage.values) * sizeof(double));
+  std::memset(update, 0, static_cast<std::size_t>(storage.updateStride * leaf.rows) * sizeof(double));
+  loadColumns(node, input, leaf.firstBlock, leaf.lastBlock, 0);
+  double pivot = 0.0;
+  const int failed = kernels_.leafFactor[plan_.leafDimension](plan_.leafOf(node), values, inverse_.data(), update,
+                                                              storage.updateStride, &pivot);
+  return failed < 0 ? Failure{} : Failure{storage.scalar + failed, pivot};
+}
+
+BlockCholesky::Failure BlockCholesky::factorFront(int node, const Input& input, int threads) {
+  const TreeNode& front = plan_.nodes[node];
+  if (threads <= 1) {
+    assemblePanel(node, input, front.firstBlock, front.lastBlock);
+  } else {
+    const int blocks = front.lastBlock - front.firstBlock;
+    const int parts = std::max(1, front.columns / assemblyColumns);
+    parallelFor(parts, threads, [&](std::int64_t p) {
+      const auto border = [&](std::int64_t part) { return front.firstBlock + static_cast<int>(part * blocks / parts); };
+      assemblePanel(node, input, border(p), border(p + 1));
+    });
+  }
+  const Failure failure = eliminate(node, threads);
+  if (failure.scalar >= 0 || front.rows == 0) return failure;
+  const int strips = (front.rows + updateColumns - 1) / updateColumns;
+  parallelFor(strips, threads, [&](std::int64_t s) {
+    const int begin = static_cast<int>(s) * updateColumns;
+    formUpdate(node, begin, std::min(begin + updateColumns, front.rows));
+  });
+  return {};
+}
+
+/// The given block columns of a front: zero, plus H, plus what the children pass up.
+void BlockCholesky::assemblePanel(int node, const Input& input, int firstBlock, int lastBlock) {
+  const NodeStorage& storage = plan_.storage[node];
+  double* panel = values_.data() + storage.values;
+  const int begin = plan_.blockScalar[firstBlock] - storage.scalar;
+  const int end = plan_.blockScalar[lastBlock] - storage.scalar;
+  std::memset(panel + begin * storage.stride, 0,
+              static_cast<std::size_t>((end - begin) * storage.stride) * sizeof(double));
+  loadColumns(node, input, firstBlock, lastBlock, storage.stride);
+  for (const int child : plan_.childrenOf(node)) {
+    const std::span<const RowRun> runs = plan_.runsOf(child);
+    kernels_.addChild(arena_.data() + plan_.storage[child].update, plan_.storage[child].updateStride, runs.data(),
+                      static_cast<int>(runs.size()), panel, storage.stride, 0, begin, end);
+  }
+}
+
+/// Factors the front's columns, a chunk at a time.
+BlockCholesky::Failure BlockCholesky::eliminate(int node, int threads) {
+  const TreeNode& front = plan_.nodes[node];
+  const NodeStorage& storage = plan_.storage[node];
+  double* panel = values_.data() + storage.values;
+  double* inverse = inverse_.data() + storage.scalar;
+  const int rows = storage.paddedColumns + storage.paddedRows;
+  for (int begin = 0; begin < front.columns; begin += chunkColumns) {
+    const int width = std::min(chunkColumns, front.columns - begin);
+    double pivot = 0.0;
+    const int failed = kernels_.factorDiagonal(panel, storage.stride, begin, width, inverse, &pivot);
+    if (failed >= 0) return {storage.scalar + begin + failed, pivot};
+    const int below = begin + (width + 7) / 8 * 8;
+    const int parts = threads <= 1 ? 1 : std::max(1, (rows - below + taskRows - 1) / taskRows);
+    const int partRows = parts == 1 ? rows - below : taskRows;
+    const auto rowsOf = [&](std::int64_t part) {
+      const int first = below + static_cast<int>(part) * partRows;
+      return std::pair{first, std::min(first + partRows, rows)};
+    };
+    parallelFor(parts, threads, [&](std::int64_t part) {
+      const auto [first, last] = rowsOf(part);
+      kernels_.solveRows(panel, storage.stride, begin, width, first, last, inverse);
+    });
+    if (begin + width >= front.columns) break;
+    parallelFor(parts, threads, [&](std::int64_t part) {
+      const auto [first, last] = rowsOf(part);
+      kernels_.updatePanel(panel, storage.stride, begin, width, begin + width, front.columns, first, last);
+    });
+  }
+  return {};
+}
+
+/// Columns of the update matrix: made from the panel's rows below, then, while still near, the children's parts are
+/// added.
+void BlockCholesky::formUpdate(int node, int columnBegin, int columnEnd) {
+  const TreeNode& front = plan_.nodes[node];
+  const NodeStorage& storage = plan_.storage[node];
+  const double* below = values_.data() + storage.values + storage.paddedColumns;
+  double* update = arena_.data() + storage.update;
+  kernels_.formUpdate(update, storage.updateStride, below, storage.stride, front.columns, columnBegin, columnEnd,
+                      storage.paddedRows);
+  for (const int child : plan_.childrenOf(node)) {
+    const std::span<const RowRun> runs = plan_.runsOf(child);
+    kernels_.addChild(arena_.data() + plan_.storage[child].update, plan_.storage[child].updateStride, runs.data(),
+                      static_cast<int>(runs.size()), update, storage.updateStride, storage.paddedColumns,
+                      storage.paddedColumns + columnBegin, storage.paddedColumns + columnEnd);
+  }
+}
+
+SolverStatus BlockCholesky::solve(std::span<double> rightHandSides, int count) {
+  validateSolve(name(), factored_, pattern_.get(), rightHandSides, count);
+  const std::int64_t scalars = pattern_->layout().scalars();
+  for (int k = 0; k < count; ++k) solveOne(rightHandSides.data() + k * scalars);
+  return {};
+}
+
+void BlockCholesky::solveOne(double* b) {
+  const TaskSchedule& schedule = plan_.schedule;
+  const auto forEachBlock = [&](const auto& visit) {
+    for (std::size_t i = 0; i < plan_.blocks.size(); ++i) {
+      const int first = plan_.blockScalar[i];
+      for (int c = 0; c < plan_.blockScalar[i + 1] - first; ++c)
+        visit(x_.data()[first + c], b[plan_.patternScalar[i] + c]);
+    }
+  };
+  forEachBlock([](double& x, double value) { x = value; });
+  parallelFor(static_cast<std::int64_t>(schedule.tasks.size()), schedule.threads, [&](std::int64_t t) {
+    for (int node = schedule.tasks[t].begin; node < schedule.tasks[t].end; ++node) forwardNode(node);
+  });
+  for (const int node : schedule.top) forwardNode(node);
+  for (std::size_t k = schedule.top.size(); k-- > 0;) backwardNode(schedule.top[k]);
+  parallelFor(static_cast<std::int64_t>(schedule.tasks.size()), schedule.threads, [&](std::int64_t t) {
+    for (int node = schedule.tasks[t].end - 1; node >= schedule.tasks[t].begin; --node) backwardNode(node);
+  });
+  forEachBlock([](double x, double& value) { value = x; });
+}
+
+/// y = L⁻¹ b in the node's columns; what the rows below lose stays in the node's part of the workspace, for the parent.
+void BlockCholesky::forwardNode(int node) {
+  const TreeNode& front = plan_.nodes[node];
+  const NodeStorage& storage = plan_.storage[node];
+  double* v = workspace_.data() + storage.vector;
+  double* x = x_.data() + storage.scalar;
+  std::memset(v, 0, static_cast<std::size_t>(storage.paddedColumns + storage.paddedRows) * sizeof(double));
+  if (front.leaf) {
+    kernels_.leafForward[plan_.leafDimension](plan_.leafOf(node), values_.data() + storage.values, inverse_.data(),
+                                              x_.data(), v);
+    return;
+  }
+  std::copy(x, x + front.columns, v);
+  for (const int child : plan_.childrenOf(node)) {
+    const double* passed = workspace_.data() + plan_.storage[child].vector + plan_.storage[child].paddedColumns;
+    for (const RowRun& run : plan_.runsOf(child)) {
+      for (int i = 0; i < run.length; ++i) v[run.destination + i] += passed[run.source + i];
+    }
+  }
+  kernels_.forward(values_.data() + storage.values, storage.stride, front.columns,
+                   storage.paddedColumns + storage.paddedRows, inverse_.data() + storage.scalar, v);
+  std::copy(v, v + front.columns, x);
+}
+
+void BlockCholesky::backwardNode(int node) {
+  const TreeNode& front = plan_.nodes[node];
+  const NodeStorage& storage = plan_.storage[node];
+  if (front.leaf) {
+    kernels_.leafBackward[plan_.leafDimension](plan_.leafOf(node), values_.data() + storage.values, inverse_.data(),
+                                               x_.data());
+    return;
+  }
+  double* v = workspace_.data() + storage.vector;
+  double* x = x_.data() + storage.scalar;
+  std::copy(x, x + front.columns, v);
+  double* below = v + storage.paddedColumns;
+  for (const ScalarSpan& span : plan_.spansOf(node)) {
+    std::copy(x_.data() + span.begin, x_.data() + span.begin + span.length, below);
+    below += span.length;
+  }
+  // Padding meets zeros of the panel, but must be finite.
+  std::fill(v + front.columns, v + storage.paddedColumns, 0.0);
+  std::fill(below, v + storage.paddedColumns + storage.paddedRows, 0.0);
+  kernels_.backward(values_.data() + storage.values, storage.stride, front.columns,
+                    storage.paddedColumns + storage.paddedRows, inverse_.data() + storage.scalar, v);
+  std::copy(v, v + front.columns, x);
+}
+
+}  // namespace quiver::detail

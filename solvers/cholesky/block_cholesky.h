@@ -1,0 +1,70 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <quiver/core/util/aligned_buffer.h>
+#include <quiver/solvers/backends/linear_solver.h>
+#include <quiver/solvers/cholesky/factor_plan.h>
+#include <quiver/solvers/cholesky/kernels/kernel_level.h>
+
+namespace quiver::detail {
+
+/// Block Cholesky H + diag(damping) = L Lᵀ: leaf subtrees stored block by block under multifrontal fronts.
+///
+/// A node of the tree reads its blocks of H and its children's update matrices (what their elimination subtracts from
+/// the rows below them), eliminates its columns and leaves an update matrix of its own. Subtrees share no memory, so
+/// they run side by side; every sum has a fixed order, so the factor has the same bits for any number of threads.
+class BlockCholesky final : public LinearSolver {
+ public:
+  explicit BlockCholesky(KernelLevel level = KernelLevel::automatic);
+
+  std::string name() const override { return "block"; }
+  BlockOrdering order(const BlockPattern& pattern) const override { return chooseOrdering(pattern); }
+  void analyze(std::shared_ptr<const BlockPattern> pattern, int threads) override;
+  SolverStatus factorize(const BlockMatrix& matrix, std::span<const double> damping,
+                         const StopCondition& stop = {}) override;
+  SolverStatus solve(std::span<double> rightHandSides, int count = 1) override;
+  FactorStatistics statistics() const override;
+
+  const FactorPlan& plan() const { return plan_; }
+
+ private:
+  struct Input {
+    const double* values;
+    const double* damping;  // null if there is none
+  };
+  /// A pivot that was not positive: its scalar in the factor's numbering, or −1.
+  struct Failure {
+    std::int64_t scalar = -1;
+    double pivot = 0.0;
+  };
+
+  Failure factorNode(int node, const Input& input, int threads);
+  Failure factorLeaf(int node, const Input& input);
+  Failure factorFront(int node, const Input& input, int threads);
+  void loadColumns(int node, const Input& input, int firstBlock, int lastBlock, std::int64_t stride);
+  void assemblePanel(int node, const Input& input, int firstBlock, int lastBlock);
+  Failure eliminate(int node, int threads);
+  void formUpdate(int node, int columnBegin, int columnEnd);
+  SolverStatus statusOf(const Failure& failure) const;
+
+  void solveOne(double* b);
+  void forwardNode(int node);
+  void backwardNode(int node);
+
+  const KernelTable& kernels_;
+  std::shared_ptr<const BlockPattern> pattern_;
+  FactorPlan plan_;
+  AlignedBuffer values_;           // the factor
+  AlignedBuffer inverse_;          // reciprocals of its diagonal
+  AlignedBuffer arena_;            // update matrices
+  AlignedBuffer workspace_;        // the nodes' parts of a substitution
+  AlignedBuffer x_;                // a right-hand side in the factor's numbering
+  std::vector<Failure> failures_;  // of each task
+  bool factored_ = false;
+};
+
+}  // namespace quiver::detail

@@ -1,0 +1,293 @@
+#include <quiver/solvers/cholesky/factor_plan_builder.h>
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include <quiver/core/util/error.h>
+#include <quiver/solvers/block/ordering.h>
+#include <quiver/solvers/cholesky/arena_planner.h>
+
+namespace quiver::detail {
+namespace {
+
+int ceil8(int value) { return (value + 7) / 8 * 8; }
+
+/// An odd multiple of 8 doubles, so that columns do not fall on the same cache sets.
+std::int64_t oddStride(int rows) { return std::int64_t{ceil8(rows) / 8 | 1} * 8; }
+
+std::int32_t narrow(std::int64_t value) {
+  if (value > std::numeric_limits<std::int32_t>::max()) {
+    throw LogicError(fmt::format("a factor with {} scalars in one piece is too large", value));
+  }
+  return static_cast<std::int32_t>(value);
+}
+
+}  // namespace
+
+FactorPlanBuilder::FactorPlanBuilder(FactorPlan& plan, const BlockPattern& pattern, int threads)
+    : plan_(plan), pattern_(pattern) {
+  analyzeStructure(threads);
+  numberScalars();
+  layOutNodes();
+  listLoads();
+  placeUpdates();
+}
+
+void FactorPlanBuilder::analyzeStructure(int threads) {
+  const BlockGraph graph(pattern_);
+  order_ = naturalOrdering(pattern_.blocks()).order;
+  EliminationTree tree(graph, order_);
+  std::vector<int> post = postorder(tree.parent);
+  if (post != order_) {
+    order_ = std::move(post);
+    tree = EliminationTree(graph, order_);
+  }
+  dimensions_.reserve(order_.size());
+  for (const int block : order_) dimensions_.push_back(pattern_.layout().dimension(block));
+  factor_ = std::make_unique<FactorPattern>(graph, order_, tree);
+  std::vector<std::int64_t> scalars(order_.size());
+  for (std::size_t j = 0; j < order_.size(); ++j) {
+    for (const int row : factor_->column(static_cast<int>(j))) scalars[j] += dimensions_[row];
+  }
+  plan_.size = factorSize(dimensions_, scalars);
+  tree_ = std::make_unique<NodeTree>(tree.parent, *factor_, dimensions_);
+  plan_.nodes = tree_->nodes;
+  plan_.schedule = TaskSchedule(plan_.nodes, threads);
+}
+
+void FactorPlanBuilder::numberScalars() {
+  const std::size_t count = order_.size();
+  narrow(pattern_.layout().scalars());
+  plan_.blocks.resize(count);
+  plan_.blockScalar.resize(count + 1);
+  plan_.patternScalar.resize(count);
+  int scalar = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    plan_.blocks[i] = order_[tree_->order[i]];
+    plan_.blockScalar[i] = scalar;
+    plan_.patternScalar[i] = pattern_.layout().offset(plan_.blocks[i]);
+    scalar += dimensions_[tree_->order[i]];
+  }
+  plan_.blockScalar[count] = scalar;
+}
+
+void FactorPlanBuilder::layOutNodes() {
+  scratch_.assign(order_.size(), 0);
+  plan_.storage.resize(plan_.nodes.size() + 1);
+  listChildren();
+  for (int k = 0; k < static_cast<int>(plan_.nodes.size()); ++k) {
+    const TreeNode& node = plan_.nodes[k];
+    NodeStorage& storage = plan_.storage[k];
+    storage.scalar = plan_.blockScalar[node.firstBlock];
+    storage.paddedColumns = node.leaf ? 0 : ceil8(node.columns);
+    storage.paddedRows = ceil8(node.rows);
+    storage.values = plan_.valueCount;
+    storage.vector = plan_.workspaceCount;
+    storage.updateStride = oddStride(node.rows);
+    storage.runs = static_cast<std::int64_t>(plan_.runs.size());
+    storage.spans = static_cast<std::int64_t>(plan_.spans.size());
+    storage.leafColumns = static_cast<std::int64_t>(plan_.leafColumns.size());
+    plan_.workspaceCount += storage.paddedColumns + storage.paddedRows;
+    if (node.leaf) {
+      layOutLeaf(k, storage);
+    } else {
+      storage.stride = oddStride(storage.paddedColumns + storage.paddedRows);
+      plan_.valueCount += narrow(storage.stride * node.columns);
+      addSpans(k);
+    }
+    if (node.parent >= 0) addRuns(k);
+  }
+  NodeStorage& end = plan_.storage.back();
+  end.values = plan_.valueCount;
+  end.runs = static_cast<std::int64_t>(plan_.runs.size());
+  end.spans = static_cast<std::int64_t>(plan_.spans.size());
+  end.leafColumns = static_cast<std::int64_t>(plan_.leafColumns.size());
+}
+
+void FactorPlanBuilder::listChildren() {
+  for (const TreeNode& node : plan_.nodes) {
+    if (node.parent >= 0) ++plan_.storage[node.parent + 1].children;
+  }
+  for (std::size_t k = 1; k < plan_.storage.size(); ++k) plan_.storage[k].children += plan_.storage[k - 1].children;
+  plan_.children.resize(plan_.storage.back().children);
+  std::vector<std::int64_t> next;
+  for (const NodeStorage& storage : plan_.storage) next.push_back(storage.children);
+  for (int k = 0; k < static_cast<int>(plan_.nodes.size()); ++k) {
+    const int parent = plan_.nodes[k].parent;
+    if (parent >= 0) plan_.children[next[parent]++] = k;
+  }
+}
+
+/// Walks the child's rows and the parent's columns and rows side by side; both ascend.
+void FactorPlanBuilder::addRuns(int node) {
+  const TreeNode& parent = plan_.nodes[plan_.nodes[node].parent];
+  const std::span<const int> parentRows = below(parent.lastBlock - 1);
+  const int paddedColumns = ceil8(parent.columns);
+  std::size_t p = 0;
+  int parentScalar = paddedColumns;
+  int source = 0;
+  const std::size_t first = plan_.runs.size();
+  for (const int row : rowsBelow(node)) {
+    const int column = tree_->position[row];
+    int destination = 0;
+    if (column < parent.lastBlock) {
+      destination = plan_.blockScalar[column] - plan_.blockScalar[parent.firstBlock];
+    } else {
+      while (parentRows[p] != row) parentScalar += dimension(parentRows[p++]);
+      destination = parentScalar;
+    }
+    RowRun* last = plan_.runs.size() > first ? &plan_.runs.back() : nullptr;
+    // A run ends where the columns end, even if padding happens to be empty there.
+    const bool border = destination == paddedColumns;
+    if (last != nullptr && last->destination + last->length == destination && !border) {
+      last->length += dimension(row);
+    } else {
+      plan_.runs.push_back({source, dimension(row), destination});
+    }
+    source += dimension(row);
+  }
+}
+
+void FactorPlanBuilder::addSpans(int node) {
+  const std::size_t first = plan_.spans.size();
+  for (const int row : rowsBelow(node)) {
+    const int scalar = plan_.blockScalar[tree_->position[row]];
+    if (plan_.spans.size() > first && plan_.spans.back().begin + plan_.spans.back().length == scalar) {
+      plan_.spans.back().length += dimension(row);
+    } else {
+      plan_.spans.push_back({scalar, dimension(row)});
+    }
+  }
+}
+
+void FactorPlanBuilder::layOutLeaf(int node, NodeStorage& storage) {
+  const TreeNode& leaf = plan_.nodes[node];
+  plan_.leafDimension = dimension(tree_->order[leaf.firstBlock]);
+  int position = 0;
+  for (const int row : rowsBelow(node)) {
+    scratch_[row] = position;  // of a block row in the update matrix
+    position += dimension(row);
+  }
+  std::int32_t offset = 0;
+  for (int column = leaf.firstBlock; column < leaf.lastBlock; ++column) addLeafColumn(node, column, offset);
+  addLeafDestinations(node, storage.leafColumns);
+  plan_.valueCount += ceil8(offset);
+}
+
+void FactorPlanBuilder::addLeafColumn(int node, int column, std::int32_t& offset) {
+  const int b = plan_.leafDimension;
+  const std::span<const int> rows = below(column);
+  LeafColumn entry{};
+  entry.values = offset;
+  entry.scalar = plan_.blockScalar[column];
+  entry.below = static_cast<std::int32_t>(rows.size());
+  entry.rows = narrow(static_cast<std::int64_t>(plan_.leafRows.size()));
+  for (const int row : rows) {
+    const int target = tree_->position[row];
+    const bool inside = target < plan_.nodes[node].lastBlock;
+    entry.inside += inside ? 1 : 0;
+    plan_.leafRows.push_back(plan_.blockScalar[target]);
+    plan_.leafPositions.push_back(inside ? 0 : scratch_[row]);
+  }
+  plan_.leafColumns.push_back(entry);
+  offset = narrow(std::int64_t{offset} + (entry.below + 1) * b * leafStride(b));
+}
+
+/// For blocks q ≤ i of a column: block (i, q) of the column of q, found by walking both lists of rows.
+void FactorPlanBuilder::addLeafDestinations(int node, std::int64_t firstColumn) {
+  const TreeNode& leaf = plan_.nodes[node];
+  const int size = plan_.leafDimension * leafStride(plan_.leafDimension);
+  LeafColumn* columns = plan_.leafColumns.data() + firstColumn;
+  for (int j = leaf.firstBlock; j < leaf.lastBlock; ++j) {
+    LeafColumn& column = columns[j - leaf.firstBlock];
+    column.destinations = narrow(static_cast<std::int64_t>(plan_.leafDestinations.size()));
+    const std::span<const int> rows = below(j);
+    for (int q = 0; q < column.inside; ++q) {
+      const int targetColumn = tree_->position[rows[q]];
+      const std::span<const int> targetRows = below(targetColumn);
+      std::int32_t offset = columns[targetColumn - leaf.firstBlock].values;
+      plan_.leafDestinations.push_back(offset);
+      std::size_t p = 0;
+      for (std::size_t i = q + 1; i < rows.size(); ++i) {
+        while (targetRows[p] != rows[i]) ++p;
+        plan_.leafDestinations.push_back(offset + static_cast<std::int32_t>(p + 1) * size);
+      }
+    }
+  }
+}
+
+void FactorPlanBuilder::listLoads() {
+  std::vector<int> place(order_.size());  // of a pattern block in the factor's numbering
+  for (std::size_t i = 0; i < place.size(); ++i) place[plan_.blocks[i]] = static_cast<int>(i);
+  std::vector<std::int64_t> source(order_.size() + 1, 0);  // of each pattern column's first block
+  const BlockLayout& layout = pattern_.layout();
+  for (int j = 0; j < pattern_.blocks(); ++j) {
+    std::int64_t rows = 0;
+    for (std::int64_t k = pattern_.columnBegin(j); k < pattern_.columnEnd(j); ++k)
+      rows += layout.dimension(pattern_.row(k));
+    source[j + 1] = source[j] + rows * layout.dimension(j);
+  }
+  plan_.loads.reserve(pattern_.entries());
+  plan_.loadBegin.push_back(0);
+  for (int k = 0; k < static_cast<int>(plan_.nodes.size()); ++k) {
+    const TreeNode& node = plan_.nodes[k];
+    const NodeStorage& storage = plan_.storage[k];
+    const std::span<const int> nodeRows = rowsBelow(k);
+    for (int column = node.firstBlock; column < node.lastBlock; ++column) {
+      const int block = plan_.blocks[column];
+      const int columns = layout.dimension(block);
+      const std::span<const int> rows = node.leaf ? below(column) : nodeRows;
+      const LeafColumn* leaf = node.leaf ? &plan_.leafColumns[storage.leafColumns + column - node.firstBlock] : nullptr;
+      const int firstScalar = plan_.blockScalar[column] - storage.scalar;
+      std::int64_t from = source[block];
+      std::size_t p = 0;
+      int scalar = storage.paddedColumns;
+      for (std::int64_t entry = pattern_.columnBegin(block); entry < pattern_.columnEnd(block); ++entry) {
+        const int row = place[pattern_.row(entry)];
+        const int height = layout.dimension(pattern_.row(entry));
+        std::int64_t destination = 0;
+        if (row == column && leaf != nullptr) {
+          destination = leaf->values;
+        } else if (leaf == nullptr && row < node.lastBlock) {
+          destination = firstScalar * storage.stride + plan_.blockScalar[row] - storage.scalar;
+        } else {
+          while (rows[p] != tree_->order[row]) scalar += dimension(rows[p++]);
+          destination = leaf != nullptr
+                            ? leaf->values + static_cast<std::int64_t>(p + 1) * columns * leafStride(columns)
+                            : firstScalar * storage.stride + scalar;
+        }
+        plan_.loads.push_back(
+            {from, narrow(destination), static_cast<std::int16_t>(height), static_cast<std::int16_t>(columns)});
+        from += std::int64_t{height} * columns;
+      }
+      plan_.loadBegin.push_back(static_cast<std::int64_t>(plan_.loads.size()));
+    }
+  }
+}
+
+void FactorPlanBuilder::placeUpdates() {
+  const auto sizeOf = [&](int node) {
+    return plan_.nodes[node].rows == 0 ? 0 : plan_.storage[node].updateStride * plan_.nodes[node].rows + 8;
+  };
+  std::vector<char> kept(plan_.nodes.size(), 0);  // roots of tasks outlive their task's arena
+  std::int64_t base = 0;
+  const auto place = [&](ArenaPlanner& planner, int node) {
+    plan_.storage[node].update = base + planner.allocate(sizeOf(node));
+    for (const int child : plan_.childrenOf(node)) {
+      if (kept[child] == 0) planner.release(plan_.storage[child].update - base, sizeOf(child));
+    }
+  };
+  for (const TaskSchedule::Task& task : plan_.schedule.tasks) {
+    ArenaPlanner planner;
+    for (int node = task.begin; node < task.end; ++node) place(planner, node);
+    kept[task.end - 1] = 1;
+    base += planner.peak();
+  }
+  ArenaPlanner planner;
+  for (const int node : plan_.schedule.top) place(planner, node);
+  plan_.arenaCount = base + planner.peak();
+}
+
+}  // namespace quiver::detail

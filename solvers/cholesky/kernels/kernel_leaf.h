@@ -1,0 +1,167 @@
+// Leaf subtrees: every block of L alone, destinations of all products known beforehand. Included by kernel_body.h.
+
+/// The vectors a column of a leaf block of dimension b consists of.
+template <int b>
+struct LeafBlock {
+  static constexpr int stride = leafStride(b);
+  static constexpr int lanes =
+      stride % 8 == 0 && width == 8 ? 8 : smaller(stride % 4 == 0 ? 4 : stride, larger(width, 1));
+  static constexpr int vectors = stride / lanes;
+  static constexpr int size = stride * b;
+  using Vector = typename VectorOf<lanes>::Type;
+};
+
+/// x ← x L⁻ᵀ for one block, L the factored diagonal block of the column.
+template <int b>
+inline __attribute__((always_inline)) void scaleBlock(double* x, const double* diagonal, const double* inverse) {
+  using Block = LeafBlock<b>;
+  typename Block::Vector columns[b][Block::vectors];
+#pragma GCC unroll 9
+  for (int c = 0; c < b; ++c) {
+#pragma GCC unroll 4
+    for (int v = 0; v < Block::vectors; ++v) {
+      auto value = load<Block::lanes>(x + c * Block::stride + v * Block::lanes);
+#pragma GCC unroll 9
+      for (int k = 0; k < c; ++k) value -= columns[k][v] * diagonal[k * Block::stride + c];
+      columns[c][v] = value * inverse[c];
+      store<Block::lanes>(x + c * Block::stride + v * Block::lanes, columns[c][v]);
+    }
+  }
+}
+
+/// C −= A Bᵀ for `blocks` blocks A one after the other in memory, their C wherever targets say.
+template <int b, int blocks>
+inline __attribute__((always_inline)) void subtractProduct(double* const* targets, std::int64_t strideC,
+                                                           const double* a, const double* factor) {
+  using Block = LeafBlock<b>;
+  typename Block::Vector sum[blocks][b][Block::vectors];
+#pragma GCC unroll 2
+  for (int i = 0; i < blocks; ++i) {
+#pragma GCC unroll 9
+    for (int c = 0; c < b; ++c) {
+#pragma GCC unroll 4
+      for (int v = 0; v < Block::vectors; ++v)
+        sum[i][c][v] = load<Block::lanes>(targets[i] + c * strideC + v * Block::lanes);
+    }
+  }
+#pragma GCC unroll 9
+  for (int k = 0; k < b; ++k) {
+#pragma GCC unroll 9
+    for (int c = 0; c < b; ++c) {
+      const double value = factor[k * Block::stride + c];
+#pragma GCC unroll 2
+      for (int i = 0; i < blocks; ++i) {
+#pragma GCC unroll 4
+        for (int v = 0; v < Block::vectors; ++v) {
+          sum[i][c][v] -= load<Block::lanes>(a + i * Block::size + k * Block::stride + v * Block::lanes) * value;
+        }
+      }
+    }
+  }
+#pragma GCC unroll 2
+  for (int i = 0; i < blocks; ++i) {
+#pragma GCC unroll 9
+    for (int c = 0; c < b; ++c) {
+#pragma GCC unroll 4
+      for (int v = 0; v < Block::vectors; ++v)
+        store<Block::lanes>(targets[i] + c * strideC + v * Block::lanes, sum[i][c][v]);
+    }
+  }
+}
+
+/// All products of one block (at `factor`) with itself and the blocks after it; targetOf(i) is where the i-th goes.
+template <int b, typename TargetOf>
+inline __attribute__((always_inline)) void subtractProducts(const double* factor, int count, std::int64_t strideC,
+                                                            const TargetOf& targetOf) {
+  using Block = LeafBlock<b>;
+  constexpr int together = b > 3 && 2 * b * Block::vectors <= (width == 8 ? 24 : 12) ? 2 : 1;
+  const double* a = factor;
+  int i = 0;
+  if constexpr (together == 2) {
+    for (; i + 2 <= count; i += 2, a += 2 * Block::size) {
+      double* targets[2] = {targetOf(i), targetOf(i + 1)};
+      subtractProduct<b, 2>(targets, strideC, a, factor);
+    }
+  }
+  for (; i < count; ++i, a += Block::size) {
+    double* targets[1] = {targetOf(i)};
+    subtractProduct<b, 1>(targets, strideC, a, factor);
+  }
+}
+
+template <int b>
+int leafFactor(const LeafView& leaf, double* values, double* inverse, double* update, std::int64_t updateStride,
+               double* pivot) {
+  using Block = LeafBlock<b>;
+  for (int j = 0; j < leaf.count; ++j) {
+    const LeafColumn& column = leaf.columns[j];
+    double* diagonal = values + column.values;
+    const int failed = factorSmall<b>(diagonal, Block::stride, inverse + column.scalar, pivot);
+    if (failed >= 0) return j * b + failed;
+    double* below = diagonal + Block::size;
+    for (int i = 0; i < column.below; ++i) scaleBlock<b>(below + i * Block::size, diagonal, inverse + column.scalar);
+    const std::int32_t* destinations = leaf.destinations + column.destinations;
+    const double* factor = below;
+    for (int q = 0; q < column.inside; ++q, factor += Block::size) {
+      const int count = column.below - q;
+      subtractProducts<b>(factor, count, Block::stride, [=](int i) { return values + destinations[i]; });
+      destinations += count;
+    }
+    for (int q = column.inside; q < column.below; ++q, factor += Block::size) {
+      const std::int32_t* positions = leaf.positions + column.rows + q;
+      double* target = update + positions[0] * updateStride;
+      subtractProducts<b>(factor, column.below - q, updateStride, [=](int i) { return target + positions[i]; });
+    }
+  }
+  return -1;
+}
+
+template <int b>
+void leafForward(const LeafView& leaf, const double* values, const double* inverse, double* x, double* update) {
+  using Block = LeafBlock<b>;
+  for (int j = 0; j < leaf.count; ++j) {
+    const LeafColumn& column = leaf.columns[j];
+    const double* block = values + column.values;
+    double y[b];
+    for (int c = 0; c < b; ++c) {
+      y[c] = x[column.scalar + c];
+      for (int k = 0; k < c; ++k) y[c] -= block[k * Block::stride + c] * y[k];
+      y[c] *= inverse[column.scalar + c];
+      x[column.scalar + c] = y[c];
+    }
+    for (int i = 0; i < column.below; ++i) {
+      block += Block::size;
+      double* target = i < column.inside ? x + leaf.rows[column.rows + i] : update + leaf.positions[column.rows + i];
+      double sum[b];
+      for (int r = 0; r < b; ++r) sum[r] = target[r];
+      for (int c = 0; c < b; ++c) {
+        for (int r = 0; r < b; ++r) sum[r] -= block[c * Block::stride + r] * y[c];
+      }
+      for (int r = 0; r < b; ++r) target[r] = sum[r];
+    }
+  }
+}
+
+template <int b>
+void leafBackward(const LeafView& leaf, const double* values, const double* inverse, double* x) {
+  using Block = LeafBlock<b>;
+  for (int j = leaf.count - 1; j >= 0; --j) {
+    const LeafColumn& column = leaf.columns[j];
+    const double* diagonal = values + column.values;
+    const double* block = diagonal;
+    double y[b];
+    for (int c = 0; c < b; ++c) y[c] = x[column.scalar + c];
+    for (int i = 0; i < column.below; ++i) {
+      block += Block::size;
+      const double* source = x + leaf.rows[column.rows + i];
+      for (int c = 0; c < b; ++c) {
+        for (int r = 0; r < b; ++r) y[c] -= block[c * Block::stride + r] * source[r];
+      }
+    }
+    for (int c = b - 1; c >= 0; --c) {
+      for (int k = c + 1; k < b; ++k) y[c] -= diagonal[c * Block::stride + k] * y[k];
+      y[c] *= inverse[column.scalar + c];
+      x[column.scalar + c] = y[c];
+    }
+  }
+}

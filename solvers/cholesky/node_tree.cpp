@@ -1,0 +1,263 @@
+#include <quiver/solvers/cholesky/node_tree.h>
+
+#include <algorithm>
+#include <queue>
+
+#include <quiver/solvers/cholesky/cost_model.h>
+#include <quiver/solvers/cholesky/kernels/kernel_table.h>
+
+namespace quiver::detail {
+namespace {
+
+/// A leaf subtree should fit into a second-level cache; its doubles.
+constexpr double largestLeafValues = 2.0 * 1024 * 1024 / 8;
+
+/// Block columns with one structure: [first, last] in elimination order.
+struct Supernode {
+  int first = 0;
+  int last = 0;
+  int parent = -1;
+  double columns = 0.0;  // scalars
+  double rows = 0.0;
+  // Of the subtree as one leaf, and of the best way to do it.
+  double leafCost = 0.0;
+  double leafValues = 0.0;
+  double bestCost = 0.0;
+  int firstDescendant = 0;  // block column
+  bool asLeaf = false;
+};
+
+int uniformDimension(const std::vector<int>& dimensions) {
+  const bool uniform =
+      !dimensions.empty() && std::ranges::all_of(dimensions, [&](int d) { return d == dimensions.front(); });
+  return uniform && dimensions.front() <= largestLeafDimension ? dimensions.front() : 0;
+}
+
+std::vector<Supernode> findSupernodes(const std::vector<int>& parent, const FactorPattern& factor,
+                                      const std::vector<int>& dimensions) {
+  const int count = static_cast<int>(parent.size());
+  std::vector<Supernode> supernodes;
+  std::vector<int> owner(parent.size());
+  for (int j = 0; j < count; ++j) {
+    const bool joins = j > 0 && parent[j - 1] == j && factor.column(j - 1).size() == factor.column(j).size() + 1;
+    if (!joins) {
+      supernodes.emplace_back();
+      supernodes.back().first = supernodes.back().firstDescendant = j;
+    }
+    Supernode& node = supernodes.back();
+    node.last = j;
+    node.columns += dimensions[j];
+    owner[j] = static_cast<int>(supernodes.size()) - 1;
+  }
+  for (Supernode& node : supernodes) {
+    for (const int row : factor.column(node.last)) node.rows += dimensions[row];
+    if (parent[node.last] >= 0) node.parent = owner[parent[node.last]];
+  }
+  return supernodes;
+}
+
+/// Bottom-up: is the subtree cheaper as one leaf or as a front above its children's best?
+void chooseLeaves(std::vector<Supernode>& supernodes, const FactorPattern& factor, int dimension) {
+  for (std::size_t s = 0; s < supernodes.size(); ++s) {
+    Supernode& node = supernodes[s];
+    const double front = node.bestCost + frontNanoseconds(node.columns, node.rows);
+    node.bestCost = front;
+    if (dimension > 0) {
+      for (int j = node.first; j <= node.last; ++j) {
+        const auto below = static_cast<double>(factor.column(j).size());
+        node.leafCost += leafColumnNanoseconds(dimension, below);
+        node.leafValues += (below + 1.0) * dimension * leafStride(dimension);
+      }
+      const double leaf = node.leafCost + leafUpdateNanoseconds(node.rows);
+      node.asLeaf = node.leafValues <= largestLeafValues && leaf <= front;
+      if (node.asLeaf) node.bestCost = leaf;
+    }
+    if (node.parent < 0) continue;
+    Supernode& up = supernodes[node.parent];
+    up.bestCost += node.bestCost;
+    up.leafCost += node.leafCost;
+    up.leafValues += node.leafValues;
+    up.firstDescendant = std::min(up.firstDescendant, node.firstDescendant);
+  }
+}
+
+/// For each supernode the one at the top of the leaf subtree it lies in, or −1.
+std::vector<int> leafRoots(const std::vector<Supernode>& supernodes) {
+  std::vector<int> root(supernodes.size(), -1);
+  for (std::size_t s = supernodes.size(); s-- > 0;) {
+    const int up = supernodes[s].parent;
+    if (up >= 0 && root[up] >= 0) {
+      root[s] = root[up];
+    } else if (supernodes[s].asLeaf) {
+      root[s] = static_cast<int>(s);
+    }
+  }
+  return root;
+}
+
+/// Merges fronts into their parents while that saves time. Returns for each supernode the one it ends in; sizes of the
+/// survivors are updated.
+class Amalgamation {
+ public:
+  Amalgamation(std::vector<Supernode>& supernodes, const std::vector<int>& leafRoot)
+      : supernodes_(supernodes),
+        firstChild_(supernodes.size(), -1),
+        next_(supernodes.size(), -1),
+        into_(supernodes.size(), -1) {
+    for (std::size_t s = supernodes.size(); s-- > 0;) {
+      const int up = supernodes[s].parent;
+      if (up < 0 || leafRoot[s] >= 0) continue;
+      next_[s] = firstChild_[up];
+      firstChild_[up] = static_cast<int>(s);
+    }
+    for (std::size_t s = 0; s < supernodes.size(); ++s) {
+      if (leafRoot[s] < 0) mergeChildren(static_cast<int>(s));
+    }
+  }
+
+  std::vector<int> representatives() const {
+    std::vector<int> result(into_.size());
+    for (std::size_t s = into_.size(); s-- > 0;) result[s] = into_[s] < 0 ? static_cast<int>(s) : result[into_[s]];
+    return result;
+  }
+
+ private:
+  using Candidate = std::pair<double, int>;  // gain, child
+
+  double gain(const Supernode& up, const Supernode& child) const {
+    return frontNanoseconds(child.columns, child.rows) + frontNanoseconds(up.columns, up.rows) -
+           frontNanoseconds(child.columns + up.columns, up.rows);
+  }
+
+  /// Gains shrink as the parent grows, so an outdated gain at the top of the queue is recomputed before it is believed.
+  void mergeChildren(int parent) {
+    Supernode& up = supernodes_[parent];
+    queue_.clear();
+    const auto push = [&](int child) {
+      const double value = gain(up, supernodes_[child]);
+      if (value > 0.0) {
+        queue_.emplace_back(value, child);
+        std::push_heap(queue_.begin(), queue_.end());
+      }
+    };
+    for (int child = firstChild_[parent]; child >= 0; child = next_[child]) push(child);
+    while (!queue_.empty()) {
+      std::pop_heap(queue_.begin(), queue_.end());
+      const auto [outdated, child] = queue_.back();
+      queue_.pop_back();
+      const double value = gain(up, supernodes_[child]);
+      if (value < outdated && !queue_.empty() && value < queue_.front().first) {
+        push(child);
+        continue;
+      }
+      if (value <= 0.0) continue;
+      into_[child] = parent;
+      up.columns += supernodes_[child].columns;
+      int last = -1;
+      for (int k = firstChild_[child]; k >= 0; k = next_[k]) {
+        push(k);
+        last = k;
+      }
+      if (last >= 0) {
+        next_[last] = firstChild_[parent];
+        firstChild_[parent] = firstChild_[child];
+      }
+    }
+    removeMerged(parent);
+  }
+
+  void removeMerged(int parent) {
+    int* link = &firstChild_[parent];
+    while (*link >= 0) {
+      if (into_[*link] >= 0) {
+        *link = next_[*link];
+      } else {
+        link = &next_[*link];
+      }
+    }
+  }
+
+  std::vector<Supernode>& supernodes_;
+  std::vector<int> firstChild_;
+  std::vector<int> next_;
+  std::vector<int> into_;
+  std::vector<Candidate> queue_;
+};
+
+/// The order that needs least memory for update matrices: children by falling (peak while working − what remains).
+std::vector<double> childWeights(const std::vector<TreeNode>& nodes) {
+  std::vector<std::vector<int>> children(nodes.size());
+  std::vector<double> peak(nodes.size());
+  std::vector<double> weight(nodes.size());
+  for (std::size_t s = 0; s < nodes.size(); ++s) {
+    std::ranges::stable_sort(children[s], [&](int a, int b) { return weight[a] < weight[b]; });
+    double held = 0.0;
+    for (const int child : children[s]) {
+      peak[s] = std::max(peak[s], held + peak[child]);
+      held += static_cast<double>(nodes[child].rows) * nodes[child].rows;
+    }
+    const double own = static_cast<double>(nodes[s].rows) * nodes[s].rows;
+    peak[s] = std::max(peak[s], held + own);
+    weight[s] = own - peak[s];
+    if (nodes[s].parent >= 0) children[nodes[s].parent].push_back(static_cast<int>(s));
+  }
+  return weight;
+}
+
+}  // namespace
+
+NodeTree::NodeTree(const std::vector<int>& parent, const FactorPattern& factor, const std::vector<int>& dimensions) {
+  std::vector<Supernode> supernodes = findSupernodes(parent, factor, dimensions);
+  chooseLeaves(supernodes, factor, uniformDimension(dimensions));
+  const std::vector<int> leafRoot = leafRoots(supernodes);
+  const std::vector<int> representative = Amalgamation(supernodes, leafRoot).representatives();
+
+  // One unordered node for each leaf root and each front that is left, children before parents.
+  std::vector<int> nodeOf(supernodes.size(), -1);
+  std::vector<int> top;  // supernode of each node
+  for (std::size_t s = 0; s < supernodes.size(); ++s) {
+    const bool survives =
+        leafRoot[s] >= 0 ? leafRoot[s] == static_cast<int>(s) : representative[s] == static_cast<int>(s);
+    if (!survives) continue;
+    nodeOf[s] = static_cast<int>(top.size());
+    top.push_back(static_cast<int>(s));
+  }
+  std::vector<TreeNode> unordered(top.size());
+  std::vector<std::vector<int>> members(top.size());  // supernodes of each front
+  for (std::size_t s = 0; s < supernodes.size(); ++s) {
+    if (leafRoot[s] < 0) members[nodeOf[representative[s]]].push_back(static_cast<int>(s));
+  }
+  for (std::size_t k = 0; k < top.size(); ++k) {
+    const Supernode& node = supernodes[top[k]];
+    unordered[k].leaf = leafRoot[top[k]] >= 0;
+    unordered[k].rows = static_cast<int>(node.rows);
+    unordered[k].parent = node.parent < 0 ? -1 : nodeOf[representative[node.parent]];
+    unordered[k].cost = unordered[k].leaf ? node.bestCost : frontNanoseconds(node.columns, node.rows);
+  }
+
+  std::vector<int> parents;
+  for (const TreeNode& node : unordered) parents.push_back(node.parent);
+  const std::vector<int> visited = postorder(parents, childWeights(unordered));
+  std::vector<int> place(visited.size());
+  for (std::size_t k = 0; k < visited.size(); ++k) place[visited[k]] = static_cast<int>(k);
+  order.reserve(parent.size());
+  for (const int k : visited) {
+    TreeNode node = unordered[k];
+    node.parent = node.parent < 0 ? -1 : place[node.parent];
+    node.firstBlock = static_cast<int>(order.size());
+    const auto append = [&](int first, int last) {
+      for (int j = first; j <= last; ++j) {
+        order.push_back(j);
+        node.columns += dimensions[j];
+      }
+    };
+    if (node.leaf) append(supernodes[top[k]].firstDescendant, supernodes[top[k]].last);
+    for (const int s : members[k]) append(supernodes[s].first, supernodes[s].last);
+    node.lastBlock = static_cast<int>(order.size());
+    nodes.push_back(node);
+  }
+  position.resize(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) position[order[i]] = static_cast<int>(i);
+}
+
+}  // namespace quiver::detail
