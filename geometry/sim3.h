@@ -110,16 +110,37 @@ class Sim3 {
   static Matrix<S, 7, 7> rightJacobianInverse(const Vector<S, 7>& x) { return leftJacobianInverse(-x); }
 
  private:
+  /// Terms of the series and times its argument is halved first.
+  static constexpr int terms = 13, doublings = 4;
+  /// identity I + skew phi^ + square phi^ phi^, closed under products as phi^ phi^ phi^ = -t phi^ with t = |phi|^2.
+  struct Polynomial {
+    S identity, skew, square;
+    Polynomial times(const Polynomial& o, const S& t) const {
+      return {identity * o.identity, identity * o.skew + skew * o.identity - t * (skew * o.square + square * o.skew),
+              identity * o.square + square * o.identity + skew * o.skew - t * (square * o.square)};
+    }
+  };
   /// W with t = W rho: the integral of exp(u (sigma I + phi^)) over u in [0, 1].
   static Matrix<S, 3, 3> translationFactor(const Vector<S, 3>& phi, const S& sigma) {
-    Matrix<S, 3, 3> m = hat<S>(phi);
-    for (int i = 0; i < 3; ++i) m(i, i) = sigma;
-    return integratedExponential<3>(m);
+    const S t = dot<S>(phi, phi);
+    const S fraction(1.0 / (1 << doublings));
+    Polynomial x{sigma * fraction, fraction, S(0.0)};
+    Polynomial sum{S(1.0), S(0.0), S(0.0)};
+    for (int k = terms; k >= 1; --k) {
+      const S scale(1.0 / (k + 1));
+      const Polynomial product = x.times(sum, t);
+      sum = {1.0 + scale * product.identity, scale * product.skew, scale * product.square};
+    }
+    for (int k = 0; k < doublings; ++k) {
+      const Polynomial product = x.times(sum, t).times(sum, t);
+      sum = {sum.identity + 0.5 * product.identity, sum.skew + 0.5 * product.skew, sum.square + 0.5 * product.square};
+      x = {2.0 * x.identity, 2.0 * x.skew, S(0.0)};
+    }
+    return SO3<S>::combine(S(sum.identity - t * sum.square), sum.skew, sum.square, phi);
   }
   /// The sum of A^k / (k+1)!, the integral of exp(u A) over [0, 1].
   template <int N>
   static Matrix<S, N, N> integratedExponential(const Matrix<S, N, N>& a) {
-    constexpr int terms = 13, doublings = 4;
     Matrix<S, N, N> x = a * S(1.0 / (1 << doublings));
     Matrix<S, N, N> sum = Matrix<S, N, N>::Identity();
     for (int k = terms; k >= 1; --k) {

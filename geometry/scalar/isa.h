@@ -19,8 +19,9 @@
 #  define QUIVER_TARGET_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma")))
 #  define QUIVER_TARGET_AVX2 __attribute__((target("avx2,fma")))
 #  define QUIVER_TARGET_GENERIC
-#  define QUIVER_FOLD_ZEROS \
-    __attribute__((flatten, optimize("finite-math-only", "no-signed-zeros", "no-trapping-math")))
+#  define QUIVER_FOLD_ZEROS                                                                     \
+    __attribute__((flatten, optimize("finite-math-only", "no-signed-zeros", "no-trapping-math", \
+                                     "no-tree-loop-distribute-patterns")))
 #  define QUIVER_COLD __attribute__((noinline, cold))
 #  define QUIVER_UNROLL _Pragma("GCC unroll 64")
 #else
