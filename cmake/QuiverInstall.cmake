@@ -30,9 +30,13 @@ if(TARGET quiver_command)
   install(TARGETS quiver_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
 
+set(quiver_left_out)
+if(NOT TARGET quiver_cholmod)
+  set(quiver_left_out PATTERN "backends/cholmod" EXCLUDE)
+endif()
 foreach(folder ${QUIVER_PUBLIC_FOLDERS})
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/quiver
-          FILES_MATCHING PATTERN "*.h")
+          FILES_MATCHING PATTERN "*.h" ${quiver_left_out})
 endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/core/quiver.h ${QUIVER_INCLUDE_DIR}/quiver/version.h
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/quiver)

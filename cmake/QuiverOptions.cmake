@@ -62,15 +62,6 @@ endif()
 add_library(quiver_flags INTERFACE)
 target_compile_features(quiver_flags INTERFACE cxx_std_20)
 target_compile_options(quiver_flags INTERFACE -Wall -Wextra -Wno-psabi -fno-math-errno)
-if(QUIVER_SANITIZE)
-  # Libraries are compiled for the fuzzer without its main(); the fuzzers add that themselves (tests/fuzz).
-  string(REGEX REPLACE "(^|,)fuzzer(,|$)" "\\1fuzzer-no-link\\2" quiver_sanitize "${QUIVER_SANITIZE}")
-  target_compile_options(quiver_flags INTERFACE -fsanitize=${quiver_sanitize} -fno-omit-frame-pointer)
-  if(QUIVER_SANITIZE MATCHES "undefined")
-    target_compile_options(quiver_flags INTERFACE -fno-sanitize-recover=undefined)
-  endif()
-  target_link_options(quiver_flags INTERFACE -fsanitize=${quiver_sanitize})
-endif()
 
 # The public include folder: build/include/quiver/<folder> links to the source folder, so that
 # <quiver/core/...> is spelled the same in the build tree and after installation.
