@@ -20,13 +20,13 @@ class EdgeSE2 : public BaseEdge<EdgeSE2, 3, SE2<double>, VertexSE2, VertexSE2> {
   static void linearizeOplus(const SE2<S>& z, const SE2<S>& from, const SE2<S>& to, Matrix<S, 3, 3>& J0, Matrix<S, 3, 3>& J1) {
     const SE2<S> relative = from.inverse() * to;
     const Vector<S, 2> p = relative.translation();
-    const S c = z.cosine();
-    const S s = z.sine();
+    const S c = z.rotation().cosine();
+    const S s = z.rotation().sine();
     J0(0, 0) = -c, J0(0, 1) = -s, J0(0, 2) = c * p[1] - s * p[0];
     J0(1, 0) = s, J0(1, 1) = -c, J0(1, 2) = -s * p[1] - c * p[0];
     J0(2, 0) = S(0.0), J0(2, 1) = S(0.0), J0(2, 2) = S(-1.0);
-    const S cr = c * relative.cosine() + s * relative.sine();
-    const S sr = c * relative.sine() - s * relative.cosine();
+    const S cr = c * relative.rotation().cosine() + s * relative.rotation().sine();
+    const S sr = c * relative.rotation().sine() - s * relative.rotation().cosine();
     J1(0, 0) = cr, J1(0, 1) = -sr, J1(0, 2) = S(0.0);
     J1(1, 0) = sr, J1(1, 1) = cr, J1(1, 2) = S(0.0);
     J1(2, 0) = S(0.0), J1(2, 1) = S(0.0), J1(2, 2) = S(1.0);
