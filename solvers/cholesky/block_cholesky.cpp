@@ -5,6 +5,7 @@
 
 #include <quiver/core/util/parallel.h>
 #include <quiver/solvers/backends/validate.h>
+#include <quiver/solvers/cholesky/work_buffer.h>
 
 namespace quiver::detail {
 namespace {
@@ -14,6 +15,21 @@ constexpr int assemblyColumns = 48;
 constexpr int updateColumns = 48;
 constexpr int taskRows = 96;
 
+/// Copies blocks to their destinations; b is their common dimension, 0 if it is known at run time only.
+template <int b>
+void copyBlocks(const LoadEntry* entry, const LoadEntry* end, const double* source, double* values,
+                std::int64_t stride) {
+  for (; entry != end; ++entry) {
+    const int rows = b > 0 ? b : entry->rows;
+    const int columns = b > 0 ? b : entry->columns;
+    const double* from = source + entry->source;
+    double* to = values + entry->destination;
+    for (int c = 0; c < columns; ++c, from += rows, to += stride) {
+      for (int r = 0; r < rows; ++r) to[r] = from[r];
+    }
+  }
+}
+
 }  // namespace
 
 BlockCholesky::BlockCholesky(KernelLevel level) : kernels_(kernelTable(level)) {}
@@ -22,11 +38,11 @@ void BlockCholesky::analyze(std::shared_ptr<const BlockPattern> pattern, int thr
   factored_ = false;
   pattern_ = std::move(pattern);
   plan_ = FactorPlan(*pattern_, threads);
-  values_ = AlignedBuffer(plan_.valueCount + 8);
-  inverse_ = AlignedBuffer(pattern_->layout().scalars());
-  arena_ = AlignedBuffer(plan_.arenaCount + 8);
-  workspace_ = AlignedBuffer(plan_.workspaceCount);
-  x_ = AlignedBuffer(pattern_->layout().scalars());
+  reserve(values_, plan_.valueCount + 8);
+  reserve(inverse_, pattern_->layout().scalars());
+  reserve(arena_, plan_.arenaCount + 8);
+  reserve(workspace_, plan_.workspaceCount);
+  reserve(x_, pattern_->layout().scalars());
   failures_.assign(plan_.schedule.tasks.size(), {});
 }
 
@@ -82,21 +98,23 @@ BlockCholesky::Failure BlockCholesky::factorNode(int node, const Input& input, i
 void BlockCholesky::loadColumns(int node, const Input& input, int firstBlock, int lastBlock, std::int64_t stride) {
   double* values = values_.data() + plan_.storage[node].values;
   for (int column = firstBlock; column < lastBlock; ++column) {
-    const LoadEntry* entry = plan_.loads.data() + plan_.loadBegin[column];
+    const LoadEntry* begin = plan_.loads.data() + plan_.loadBegin[column];
     const LoadEntry* end = plan_.loads.data() + plan_.loadBegin[column + 1];
-    const std::int64_t columnStride = stride != 0 ? stride : leafStride(entry->columns);
-    double* diagonal = values + entry->destination;
-    const int dimension = entry->columns;
-    for (; entry != end; ++entry) {
-      const double* from = input.values + entry->source;
-      double* to = values + entry->destination;
-      for (int c = 0; c < entry->columns; ++c) {
-        for (int r = 0; r < entry->rows; ++r) to[r] = from[r];
-        from += entry->rows;
-        to += columnStride;
-      }
+    const int dimension = begin->columns;
+    const std::int64_t columnStride = stride != 0 ? stride : leafStride(dimension);
+    switch (plan_.uniformDimension) {
+      case 3:
+        copyBlocks<3>(begin, end, input.values, values, columnStride);
+        break;
+      case 6:
+        copyBlocks<6>(begin, end, input.values, values, columnStride);
+        break;
+      default:
+        copyBlocks<0>(begin, end, input.values, values, columnStride);
+        break;
     }
     if (input.damping == nullptr) continue;
+    double* diagonal = values + begin->destination;
     const double* damping = input.damping + plan_.patternScalar[column];
     for (int c = 0; c < dimension; ++c) diagonal[c * (columnStride + 1)] += damping[c];
   }

@@ -56,6 +56,8 @@ class FactorPlan {
 
   /// The dimension of all blocks if there are leaf subtrees.
   int leafDimension = 0;
+  /// The dimension of all blocks, 0 if they differ.
+  int uniformDimension = 0;
   FactorSize size;
   std::vector<TreeNode> nodes;
   /// One more than nodes; the last one closes the lists.

@@ -59,6 +59,7 @@ void FactorPlanBuilder::analyzeStructure(int threads) {
 
 void FactorPlanBuilder::numberScalars() {
   const std::size_t count = order_.size();
+  plan_.uniformDimension = pattern_.layout().uniformDimension();
   narrow(pattern_.layout().scalars());
   plan_.blocks.resize(count);
   plan_.blockScalar.resize(count + 1);

@@ -116,9 +116,11 @@ void formUpdate(double* update, std::int64_t updateStride, const double* below, 
 /// Cholesky of a small diagonal block, column-major with the given stride; reciprocals of the diagonal go to `inverse`.
 /// Works on the LDLᵀ form first, so that square roots stay off the chain of dependent operations.
 template <int n>
-inline int factorSmall(double* d, std::int64_t stride, double* inverse, double* pivot) {
+inline __attribute__((always_inline)) int factorSmall(double* d, std::int64_t stride, double* inverse, double* pivot) {
   double a[n][n];
+#pragma GCC unroll 9
   for (int j = 0; j < n; ++j) {
+#pragma GCC unroll 9
     for (int i = j; i < n; ++i) a[j][i] = d[j * stride + i];
   }
 #pragma GCC unroll 9
@@ -129,17 +131,16 @@ inline int factorSmall(double* d, std::int64_t stride, double* inverse, double* 
       return j;
     }
     const double reciprocal = 1.0 / diagonal;
-    inverse[j] = 1.0 / __builtin_sqrt(diagonal);
+    const double root = __builtin_sqrt(reciprocal);
+    inverse[j] = root;
 #pragma GCC unroll 9
     for (int k = j + 1; k < n; ++k) {
       const double factor = a[j][k] * reciprocal;
 #pragma GCC unroll 9
       for (int i = k; i < n; ++i) a[k][i] -= a[j][i] * factor;
     }
-  }
-  for (int j = 0; j < n; ++j) {
-    d[j * stride + j] = a[j][j] * inverse[j];
-    for (int i = j + 1; i < n; ++i) d[j * stride + i] = a[j][i] * inverse[j];
+#pragma GCC unroll 9
+    for (int i = j; i < n; ++i) d[j * stride + i] = a[j][i] * root;
   }
   return -1;
 }

@@ -69,23 +69,49 @@ inline __attribute__((always_inline)) void subtractProduct(double* const* target
   }
 }
 
+/// C −= A Bᵀ with the values of B in registers, for dimensions that leave room.
+template <int b, typename Vector>
+inline __attribute__((always_inline)) void subtractSmallProduct(double* c, std::int64_t strideC, const double* a,
+                                                                const Vector (&factor)[b * b]) {
+  using Block = LeafBlock<b>;
+  static_assert(Block::vectors == 1);
+  Vector rows[b];
+#pragma GCC unroll 9
+  for (int k = 0; k < b; ++k) rows[k] = load<Block::lanes>(a + k * Block::stride);
+#pragma GCC unroll 9
+  for (int column = 0; column < b; ++column) {
+    Vector sum = load<Block::lanes>(c + column * strideC);
+#pragma GCC unroll 9
+    for (int k = 0; k < b; ++k) sum -= rows[k] * factor[k * b + column];
+    store<Block::lanes>(c + column * strideC, sum);
+  }
+}
+
 /// All products of one block (at `factor`) with itself and the blocks after it; targetOf(i) is where the i-th goes.
 template <int b, typename TargetOf>
 inline __attribute__((always_inline)) void subtractProducts(const double* factor, int count, std::int64_t strideC,
                                                             const TargetOf& targetOf) {
   using Block = LeafBlock<b>;
-  constexpr int together = b > 3 && 2 * b * Block::vectors <= (width == 8 ? 24 : 12) ? 2 : 1;
   const double* a = factor;
   int i = 0;
-  if constexpr (together == 2) {
-    for (; i + 2 <= count; i += 2, a += 2 * Block::size) {
-      double* targets[2] = {targetOf(i), targetOf(i + 1)};
-      subtractProduct<b, 2>(targets, strideC, a, factor);
+  if constexpr (b <= 3 && Block::vectors == 1) {
+    using Vector = typename Block::Vector;
+    Vector values[b * b];
+#pragma GCC unroll 9
+    for (int k = 0; k < b * b; ++k) values[k] = Vector{} + factor[k / b * Block::stride + k % b];
+    for (; i < count; ++i, a += Block::size) subtractSmallProduct<b, Vector>(targetOf(i), strideC, a, values);
+  } else {
+    constexpr int together = b > 3 && 2 * b * Block::vectors <= (width == 8 ? 24 : 12) ? 2 : 1;
+    if constexpr (together == 2) {
+      for (; i + 2 <= count; i += 2, a += 2 * Block::size) {
+        double* targets[2] = {targetOf(i), targetOf(i + 1)};
+        subtractProduct<b, 2>(targets, strideC, a, factor);
+      }
     }
-  }
-  for (; i < count; ++i, a += Block::size) {
-    double* targets[1] = {targetOf(i)};
-    subtractProduct<b, 1>(targets, strideC, a, factor);
+    for (; i < count; ++i, a += Block::size) {
+      double* targets[1] = {targetOf(i)};
+      subtractProduct<b, 1>(targets, strideC, a, factor);
+    }
   }
 }
 
