@@ -111,7 +111,7 @@ class Sim3 {
 
  private:
   /// Terms of the series and times its argument is halved first.
-  static constexpr int terms = 13, doublings = 4;
+  static constexpr int terms = 16, doublings = 4;
   /// identity I + skew phi^ + square phi^ phi^, closed under products as phi^ phi^ phi^ = -t phi^ with t = |phi|^2.
   struct Polynomial {
     S identity, skew, square;

@@ -113,6 +113,31 @@ TEST(SE3Test, RetractionKeepsQuaternionsOfUnitLength) {
   EXPECT_NEAR(pose.rotation().coefficients().norm(), 1.0, 1e-15);
 }
 
+// The translation is the integral of exp(u sigma) Exp(u phi) rho over u in [0, 1]; here by Gauss' rule in panels.
+TEST(Sim3Test, TranslationAgreesWithQuadrature) {
+  constexpr double nodes[5] = {-0.906179845938664, -0.5384693101056831, 0.0, 0.5384693101056831, 0.906179845938664};
+  constexpr double weights[5] = {0.23692688505618908, 0.47862867049936647, 0.5688888888888889, 0.47862867049936647,
+                                 0.23692688505618908};
+  constexpr int panels = 100;
+  std::mt19937_64 generator(6);
+  for (const double sigma : {0.0, 1e-9, -1e-4, 0.5, -3.0, 12.0, -12.0}) {
+    for (const double angle : test::angles) {
+      Vector<double, 7> v = test::randomTangent<test::Similarities>(generator, angle);
+      v[6] = sigma;
+      Vector<double, 3> integral = Vector<double, 3>::Zero();
+      for (int k = 0; k < 5 * panels; ++k) {
+        const double u = (k / 5 + 0.5 + 0.5 * nodes[k % 5]) / panels;
+        const SO3<double> turn = SO3<double>::exp(Vector<double, 3>(u * v.segment<3>(3)));
+        integral += 0.5 * weights[k % 5] / panels * std::exp(u * sigma) * (turn * Vector<double, 3>(v.head<3>()));
+      }
+      const Sim3<double> x = Sim3<double>::exp(v);
+      // At sigma = -12 the sum loses what its largest term, exp(12/16), and four doublings cost: a few digits of 1e-16.
+      EXPECT_LT((x.translation() - integral).norm(), 1e-13 * (1.0 + integral.norm())) << sigma << ' ' << angle;
+      EXPECT_LT((x.log() - v).norm(), 1e-12) << sigma << ' ' << angle;
+    }
+  }
+}
+
 TEST(PackingTest, EigenTypesKeepEveryBit) {
   const Matrix<double, 2, 3> m = Matrix<double, 2, 3>::Random();
   double packed[6];
