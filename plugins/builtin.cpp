@@ -1,0 +1,49 @@
+#include <quiver/plugins/builtin.h>
+
+#include <quiver/solvers/backends/block_solver.h>
+#include <quiver/solvers/backends/dense_solver.h>
+#include <quiver/solvers/backends/eigen_solver.h>
+#include <quiver/solvers/normal_equations.h>
+#include <quiver/types_slam2d/edge_se2.h>
+
+namespace quiver {
+namespace {
+
+void addLinearSolver(Registry& registry, const char* name, const char* documentation,
+                     std::unique_ptr<LinearSolver> (*make)()) {
+  registry.addLinearSystem(name, documentation,
+                           [make](const Options&) { return std::make_unique<NormalEquations>(make()); });
+}
+
+}  // namespace
+
+void registerLinearSystems(Registry& registry) {
+  registry.addLinearSystem("auto", "The linear solver of least predicted cost, chosen when the structure is known.",
+                           [](const Options&) { return std::make_unique<NormalEquations>(); });
+  addLinearSolver(registry, "block", "Sparse block Cholesky of quiver's own; the same bits for any number of threads.",
+                  makeBlockSolver);
+  addLinearSolver(registry, "dense", "Dense Cholesky of the whole matrix, for systems that are small or full.",
+                  makeDenseSolver);
+  addLinearSolver(registry, "eigen", "Eigen's simplicial LDLT on scalars: an independent reference, one thread.",
+                  makeEigenSolver);
+}
+
+void registerRobustKernels(Registry& registry) {
+  registry.addRobustKernel(huberKernel());
+  registry.addRobustKernel(cauchyKernel());
+  registry.addRobustKernel(tukeyKernel());
+}
+
+void registerInitializers(Registry&) {}
+
+std::shared_ptr<Registry> builtinRegistry() {
+  auto registry = std::make_shared<Registry>();
+  registry->addVertex<VertexSE2>("VERTEX_SE2", "A pose in the plane, body to world.");
+  registry->addEdge<EdgeSE2>("EDGE_SE2", "The pose of one robot position seen from another.");
+  registerRobustKernels(*registry);
+  registerLinearSystems(*registry);
+  registerInitializers(*registry);
+  return registry;
+}
+
+}  // namespace quiver

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <memory>
+
+#include <quiver/core/registry/registry.h>
+
+namespace quiver {
+
+/// A new registry with everything the library brings: the types of planar and spatial SLAM, the robust kernels, the
+/// linear systems "auto", "block", "dense" and "eigen", and the initialisers. To be filled further as wanted; an
+/// ordinary object, so two of them know nothing of each other.
+std::shared_ptr<Registry> builtinRegistry();
+
+/// Makes the library's linear systems, initialisers and robust kernels known to a registry. Throws GraphError where a
+/// name is taken.
+void registerLinearSystems(Registry& registry);
+void registerInitializers(Registry& registry);
+void registerRobustKernels(Registry& registry);
+
+}  // namespace quiver
