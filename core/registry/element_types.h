@@ -55,6 +55,8 @@ class VertexType : public ElementType {
   virtual const double* values(const Vertex& vertex) const = 0;
   /// Overwrites the estimate and marks it as present.
   virtual void setValues(Vertex& vertex, const double* values) const = 0;
+  /// Sets the estimate to the origin, a group's identity or a vector of zeros, and marks it as present.
+  virtual void setToOrigin(Vertex& vertex) const = 0;
 
   /// out = x ⊞ delta on value arrays; `dimension` is the tangent's. out may be x.
   virtual void retract(const double* x, const double* delta, double* out, int dimension) const = 0;
@@ -63,8 +65,8 @@ class VertexType : public ElementType {
   virtual std::vector<std::string> tangentNames(int dimension) const = 0;
 
   /// Directions in which moving the whole world leaves errors unchanged, as tangent vectors of this vertex: a row-major
-  /// dimension × gaugeDirections array, one column per generator in the order of `GaugeDirection`. Returns false if the type
-  /// supplies none.
+  /// dimension × gaugeDirections array, one column per generator in the order of `GaugeDirection`. Returns false if the
+  /// type supplies none.
   virtual bool gaugeGenerators(const double* values, double* generators) const = 0;
 
   virtual void read(FieldReader& reader, Vertex& vertex) const = 0;
@@ -125,8 +127,8 @@ class EdgeType : public ElementType {
   /// Compiles edges of this type.
   virtual std::unique_ptr<EdgeBatch> makeBatch(const BatchSource& source) const = 0;
 
-  /// Propagation: sets the estimate of the vertex at role `to` from the others', which have one. `known` has a bit for each role whose
-  /// vertex has an estimate. Returns false if this edge cannot tell it.
+  /// Propagation: sets the estimate of the vertex at role `to` from the others', which have one. `known` has a bit for
+  /// each role whose vertex has an estimate. Returns false if this edge cannot tell it.
   virtual bool initialEstimate(const Edge& edge, Graph& graph, std::uint64_t known, int to) const = 0;
 
   virtual EdgeForm form() const = 0;

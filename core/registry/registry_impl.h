@@ -17,18 +17,25 @@
 namespace quiver::detail {
 
 template <typename T>
-concept ReadsItself = requires(T& element, FieldReader& reader) { element.read(reader); };
+concept ReadsItself = requires(T& element, FieldReader& reader) {
+  element.read(reader);
+};
 template <typename T>
-concept WritesItself = requires(const T& element, FieldWriter& writer) { element.write(writer); };
+concept WritesItself = requires(const T& element, FieldWriter& writer) {
+  element.write(writer);
+};
 
 /// Fields of a type: its own list, or those of its value.
 template <typename T, typename Value>
 std::vector<Field> fieldsOf() {
-  if constexpr (requires { { T::fields() } -> std::convertible_to<std::vector<Field>>; }) {
+  if constexpr (requires {
+                  { T::fields() } -> std::convertible_to<std::vector<Field>>;
+                }) {
     return T::fields();
   } else {
-    static_assert(requires { ValueFields<Value>::fields(); },
-                  "give the type fields(), read() and write(), or specialise quiver::ValueFields for its value");
+    static_assert(
+        requires { ValueFields<Value>::fields(); },
+        "give the type fields(), read() and write(), or specialise quiver::ValueFields for its value");
     return ValueFields<Value>::fields();
   }
 }
@@ -36,14 +43,17 @@ std::vector<Field> fieldsOf() {
 template <typename V>
 class VertexTypeOf final : public VertexType {
  public:
-  VertexTypeOf(std::string tag, std::string documentation) : VertexType(std::move(tag), typeName<V>(), std::move(documentation)) {
+  VertexTypeOf(std::string tag, std::string documentation)
+      : VertexType(std::move(tag), typeName<V>(), std::move(documentation)) {
     static_assert(alignof(V) <= 8, "a vertex may not ask for more alignment than a double");
   }
 
   std::unique_ptr<ElementPool<Vertex>> makePool() const override { return std::make_unique<TypedPool<Vertex, V>>(); }
   std::vector<Field> fields() const override { return fieldsOf<V, typename V::Estimate>(); }
   int dimension() const override { return V::dimension; }
-  int dimension(const Vertex& vertex) const override { return V::dimension == Dynamic ? valueCount(vertex) : V::dimension; }
+  int dimension(const Vertex& vertex) const override {
+    return V::dimension == Dynamic ? valueCount(vertex) : V::dimension;
+  }
   int valueCount(const Vertex& vertex) const override { return static_cast<const V&>(vertex).valueCount(); }
   const double* values(const Vertex& vertex) const override { return static_cast<const V&>(vertex).values(); }
   void setValues(Vertex& vertex, const double* values) const override {
@@ -51,12 +61,24 @@ class VertexTypeOf final : public VertexType {
     std::copy_n(values, typed.valueCount(), typed.values());
     typed.setHasEstimate(true);
   }
+  void setToOrigin(Vertex& vertex) const override {
+    V& typed = static_cast<V&>(vertex);
+    if constexpr (V::dimension == Dynamic) {
+      std::fill_n(typed.values(), typed.valueCount(), 0.0);
+      typed.setHasEstimate(true);
+    } else if constexpr (requires { V::Estimate::Zero(); }) {
+      typed.setEstimate(V::Estimate::Zero());
+    } else {
+      typed.setEstimate(typename V::Estimate());
+    }
+  }
 
   void retract(const double* x, const double* delta, double* out, int dimension) const override {
     if constexpr (V::dimension == Dynamic) {
       const Eigen::Map<const Eigen::VectorXd> estimate(x, dimension);
       const Eigen::Map<const Eigen::VectorXd> step(delta, dimension);
-      Eigen::Map<Eigen::VectorXd>(out, dimension) = V::oplus(Vector<double, Dynamic>(estimate), Vector<double, Dynamic>(step));
+      Eigen::Map<Eigen::VectorXd>(out, dimension) =
+          V::oplus(Vector<double, Dynamic>(estimate), Vector<double, Dynamic>(step));
     } else {
       using Estimate = typename V::Estimate;
       const Vector<double, V::dimension> step = Eigen::Map<const Vector<double, V::dimension>>(delta);
@@ -70,7 +92,8 @@ class VertexTypeOf final : public VertexType {
     if constexpr (requires { std::begin(V::tangent); }) {
       names.assign(std::begin(V::tangent), std::end(V::tangent));
     }
-    for (int i = static_cast<int>(names.size()); i < dimension; ++i) names.push_back("direction " + std::to_string(i + 1));
+    for (int i = static_cast<int>(names.size()); i < dimension; ++i)
+      names.push_back("direction " + std::to_string(i + 1));
     return names;
   }
 
@@ -111,7 +134,9 @@ class ParameterTypeOf final : public ParameterType {
   ParameterTypeOf(std::string tag, std::string documentation)
       : ParameterType(std::move(tag), typeName<P>(), std::move(documentation)) {}
 
-  std::unique_ptr<ElementPool<Parameter>> makePool() const override { return std::make_unique<TypedPool<Parameter, P>>(); }
+  std::unique_ptr<ElementPool<Parameter>> makePool() const override {
+    return std::make_unique<TypedPool<Parameter, P>>();
+  }
   std::vector<Field> fields() const override { return fieldsOf<P, typename P::Value>(); }
   int valueCount() const override { return Packing<typename P::Value>::size; }
   const double* values(const Parameter& parameter) const override { return static_cast<const P&>(parameter).values(); }
@@ -166,7 +191,8 @@ class EdgeTypeOf final : public EdgeType {
   using Roles = RoleNames<typename E::VertexTypes>;
 
  public:
-  EdgeTypeOf(std::string tag, std::string documentation) : EdgeType(std::move(tag), typeName<E>(), std::move(documentation)) {
+  EdgeTypeOf(std::string tag, std::string documentation)
+      : EdgeType(std::move(tag), typeName<E>(), std::move(documentation)) {
     static_assert(alignof(E) <= 8, "an edge may not ask for more alignment than a double");
   }
 
@@ -177,9 +203,13 @@ class EdgeTypeOf final : public EdgeType {
   std::string_view vertexTypeName(int role) const override {
     return Roles::names[std::min(static_cast<std::size_t>(role), Roles::names.size() - 1)];
   }
-  std::vector<std::string_view> parameterTypeNames() const override { return ParameterNames<typename E::Parameters>::names(); }
+  std::vector<std::string_view> parameterTypeNames() const override {
+    return ParameterNames<typename E::Parameters>::names();
+  }
   int errorDimension() const override { return E::errorDimension; }
-  int errorDimension(const Edge& edge) const override { return static_cast<const E&>(edge).informationStore().dimension(); }
+  int errorDimension(const Edge& edge) const override {
+    return static_cast<const E&>(edge).informationStore().dimension();
+  }
 
   std::span<const double> information(const Edge& edge) const override {
     return static_cast<const E&>(edge).informationStore().values();
@@ -192,7 +222,9 @@ class EdgeTypeOf final : public EdgeType {
     std::copy(triangle.begin(), triangle.end(), store.values().begin());
   }
   bool hasInformationField() const override {
-    if constexpr (requires { { E::informationInFile } -> std::convertible_to<bool>; }) {
+    if constexpr (requires {
+                    { E::informationInFile } -> std::convertible_to<bool>;
+                  }) {
       return E::informationInFile;
     } else {
       return true;
@@ -247,25 +279,28 @@ class EdgeTypeOf final : public EdgeType {
   static bool callInitial(const E& edge, Graph& graph, int to, std::tuple<V...>*, ParameterList<P...>*) {
     if constexpr (!(requires { V::dimension; } && ...)) {
       return false;
-    } else if constexpr (requires(typename V::Estimate&... x, const typename P::Value&... p) {
+    } else if constexpr (requires(typename V::Estimate & ... x, const typename P::Value&... p) {
                            { E::initialEstimate(to, edge.measurement(), p..., x...) } -> std::convertible_to<bool>;
                          }) {
       std::tuple<typename V::Estimate...> x;
       return [&]<int... I, int... A>(std::integer_sequence<int, I...>, std::integer_sequence<int, A...>) {
         ((std::get<I>(x) = static_cast<const V&>(vertexOf(graph, edge.vertexId(I))).estimate()), ...);
         if (!E::initialEstimate(to, edge.measurement(),
-                                static_cast<const P&>(parameterOf(graph, edge.parameterIds()[A])).value()..., std::get<I>(x)...)) {
+                                static_cast<const P&>(parameterOf(graph, edge.parameterIds()[A])).value()...,
+                                std::get<I>(x)...)) {
           return false;
         }
         ((I == to ? static_cast<V&>(vertexOf(graph, edge.vertexId(I))).setEstimate(std::get<I>(x)) : void()), ...);
         return true;
-      }(std::make_integer_sequence<int, sizeof...(V)>(), std::make_integer_sequence<int, sizeof...(P)>());
+      }
+      (std::make_integer_sequence<int, sizeof...(V)>(), std::make_integer_sequence<int, sizeof...(P)>());
     } else {
       return false;
     }
   }
   static bool propagate(const E& edge, Graph& graph, int to) {
-    return callInitial(edge, graph, to, static_cast<typename E::VertexTypes*>(nullptr), static_cast<typename E::Parameters*>(nullptr));
+    return callInitial(edge, graph, to, static_cast<typename E::VertexTypes*>(nullptr),
+                       static_cast<typename E::Parameters*>(nullptr));
   }
 };
 
@@ -275,15 +310,18 @@ namespace quiver {
 
 template <typename V>
 const VertexType& Registry::addVertex(std::string tag, std::string documentation) {
-  return add(std::unique_ptr<VertexType>(std::make_unique<detail::VertexTypeOf<V>>(std::move(tag), std::move(documentation))));
+  return add(
+      std::unique_ptr<VertexType>(std::make_unique<detail::VertexTypeOf<V>>(std::move(tag), std::move(documentation))));
 }
 template <typename E>
 const EdgeType& Registry::addEdge(std::string tag, std::string documentation) {
-  return add(std::unique_ptr<EdgeType>(std::make_unique<detail::EdgeTypeOf<E>>(std::move(tag), std::move(documentation))));
+  return add(
+      std::unique_ptr<EdgeType>(std::make_unique<detail::EdgeTypeOf<E>>(std::move(tag), std::move(documentation))));
 }
 template <typename P>
 const ParameterType& Registry::addParameter(std::string tag, std::string documentation) {
-  return add(std::unique_ptr<ParameterType>(std::make_unique<detail::ParameterTypeOf<P>>(std::move(tag), std::move(documentation))));
+  return add(std::unique_ptr<ParameterType>(
+      std::make_unique<detail::ParameterTypeOf<P>>(std::move(tag), std::move(documentation))));
 }
 
 }  // namespace quiver
