@@ -42,10 +42,12 @@ void NormalEquations::chooseSolver(const BlockPattern& pattern) {
   const double fill = static_cast<double>(pattern.entries()) / std::max(1.0, full);
   if (scalars <= denseScalars || (fill > 0.6 && scalars <= 2000)) {
     solver_ = makeDenseSolver();
-    plan_.linearSolverReason = fmt::format("{} unknown scalars, {:.0f} % of the blocks present: dense is cheapest", scalars, 100.0 * fill);
+    plan_.linearSolverReason =
+        fmt::format("{} unknown scalars, {:.0f} % of the blocks present: dense is cheapest", scalars, 100.0 * fill);
   } else {
     solver_ = makeBlockSolver();
-    plan_.linearSolverReason = fmt::format("{} unknown scalars, {:.2g} % of the blocks present: sparse block Cholesky", scalars, 100.0 * fill);
+    plan_.linearSolverReason =
+        fmt::format("{} unknown scalars, {:.2g} % of the blocks present: sparse block Cholesky", scalars, 100.0 * fill);
   }
 }
 
@@ -63,7 +65,8 @@ void NormalEquations::analyze(const Problem& problem, const Options& options, in
   BlockOrdering ordering = solver_->order(natural);
   order_ = std::move(ordering.order);
   std::vector<int> position(order_.size());
-  for (std::size_t block = 0; block < order_.size(); ++block) position[static_cast<std::size_t>(order_[block])] = static_cast<int>(block);
+  for (std::size_t block = 0; block < order_.size(); ++block)
+    position[static_cast<std::size_t>(order_[block])] = static_cast<int>(block);
   const auto pattern = std::make_shared<const BlockPattern>(natural.permuted(order_));
   matrix_ = BlockMatrix(pattern);
   solver_->analyze(pattern, threads);
@@ -94,7 +97,8 @@ CostTotals NormalEquations::linearize(const State& state) {
   return totals;
 }
 
-LinearOutcome NormalEquations::solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) {
+LinearOutcome NormalEquations::solve(std::span<const double> damping, std::span<double> delta,
+                                     const StopCondition& stop) {
   Stopwatch watch;
   std::span<const double> blockDamping;
   if (!damping.empty()) {
@@ -103,16 +107,28 @@ LinearOutcome NormalEquations::solve(std::span<const double> damping, std::span<
   }
   SolverStatus status = solver_->factorize(matrix_, blockDamping, stop);
   seconds_.factorize += watch.lap();
+  if (status.ok()) status = backSubstitute(delta);
+  return outcomeOf(status);
+}
+
+LinearOutcome NormalEquations::solveWithLastFactor(std::span<double> delta, const StopCondition&) {
+  return outcomeOf(backSubstitute(delta));
+}
+
+SolverStatus NormalEquations::backSubstitute(std::span<double> delta) {
+  Stopwatch watch;
+  toBlocks(gradient_, blockVector_);
+  for (double& value : blockVector_) value = -value;
+  const SolverStatus status = solver_->solve(blockVector_);
+  toVariables(blockVector_, delta);
+  seconds_.solve += watch.lap();
+  return status;
+}
+
+LinearOutcome NormalEquations::outcomeOf(const SolverStatus& status) const {
   LinearOutcome outcome;
-  if (status.ok()) {
-    toBlocks(gradient_, blockVector_);
-    for (double& value : blockVector_) value = -value;
-    status = solver_->solve(blockVector_);
-    toVariables(blockVector_, delta);
-    seconds_.solve += watch.lap();
-    outcome.iterations = solver_->statistics().iterations;
-  }
   outcome.kind = kindOf(status.outcome);
+  outcome.iterations = solver_->statistics().iterations;
   if (status.block >= 0) outcome.variable = order_[static_cast<std::size_t>(status.block)];
   outcome.coordinate = status.coordinate;
   outcome.pivot = status.pivot;

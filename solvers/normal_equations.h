@@ -9,7 +9,8 @@
 
 namespace quiver {
 
-/// The linear system of all variables at once: H in the solver's elimination order, assembled from panels, factored by a linear solver.
+/// The linear system of all variables at once: H in the solver's elimination order, assembled from panels, factored by
+/// a linear solver.
 class NormalEquations final : public LinearSystem {
  public:
   explicit NormalEquations(std::unique_ptr<LinearSolver> solver);
@@ -19,6 +20,7 @@ class NormalEquations final : public LinearSystem {
   void analyze(const Problem& problem, const Options& options, int threads) override;
   CostTotals linearize(const State& state) override;
   LinearOutcome solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) override;
+  LinearOutcome solveWithLastFactor(std::span<double> delta, const StopCondition& stop) override;
   std::span<const double> gradient() const override { return gradient_; }
   std::span<const double> diagonal() const override { return diagonal_; }
   void multiply(std::span<const double> x, std::span<double> y) const override;
@@ -26,6 +28,8 @@ class NormalEquations final : public LinearSystem {
   void addSeconds(PhaseSeconds& seconds) override;
 
  private:
+  LinearOutcome outcomeOf(const SolverStatus& status) const;
+  SolverStatus backSubstitute(std::span<double> delta);
   void chooseSolver(const BlockPattern& pattern);
   /// Copies between the order of variables and that of blocks.
   void toBlocks(std::span<const double> variables, std::span<double> blocks) const;

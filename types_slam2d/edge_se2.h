@@ -15,9 +15,11 @@ class EdgeSE2 : public BaseEdge<EdgeSE2, 3, SE2<double>, VertexSE2, VertexSE2> {
     return (z.inverse() * (from.inverse() * to)).toVector();
   }
 
-  /// With R = R_zᵀ R₁ᵀ and p = X₁⁻¹ t₂: ∂/∂from = [−R_zᵀ, −R_zᵀ J p; 0, −1], ∂/∂to = [R_zᵀ R₁ᵀ R₂, 0; 0, 1], J the quarter turn.
+  /// With R = R_zᵀ R₁ᵀ and p = X₁⁻¹ t₂: ∂/∂from = [−R_zᵀ, −R_zᵀ J p; 0, −1], ∂/∂to = [R_zᵀ R₁ᵀ R₂, 0; 0, 1], J the
+  /// quarter turn.
   template <typename S>
-  static void linearizeOplus(const SE2<S>& z, const SE2<S>& from, const SE2<S>& to, Matrix<S, 3, 3>& J0, Matrix<S, 3, 3>& J1) {
+  static void linearizeOplus(const SE2<S>& z, const SE2<S>& from, const SE2<S>& to, Matrix<S, 3, 3>& J0,
+                             Matrix<S, 3, 3>& J1) {
     const SE2<S> relative = from.inverse() * to;
     const Vector<S, 2> p = relative.translation();
     const S c = z.rotation().cosine();

@@ -9,7 +9,8 @@
 
 namespace quiver {
 
-Descent::Descent(Problem& problem, LinearSystem& system, const Options& options, const StopCondition& stop, Summary& summary)
+Descent::Descent(Problem& problem, LinearSystem& system, const Options& options, const StopCondition& stop,
+                 Summary& summary)
     : problem_(problem),
       system_(system),
       options_(options),
@@ -30,7 +31,8 @@ bool Descent::begin() {
   summary_.initialChi2 = summary_.finalChi2 = totals_.chi2;
   summary_.initialCost = summary_.finalCost = bestCost_ = totals_.cost;
   if (!totals_.finite()) {
-    finish(Status::numericalFailure, describeBadEdge(totals_) + " at the start; check its measurement and the estimates of its vertices");
+    finish(Status::numericalFailure,
+           describeBadEdge(totals_) + " at the start; check its measurement and the estimates of its vertices");
     return false;
   }
   firstGradient_ = gradientNorm();
@@ -54,7 +56,8 @@ bool Descent::exhausted() {
       finish(Status::interrupted, "interrupted; the best estimate so far is kept");
       return true;
     case StopCondition::Reason::timeLimit:
-      finish(Status::timeLimit, fmt::format("the time limit of {} s is reached; the best estimate so far is kept", options_.timeLimit));
+      finish(Status::timeLimit,
+             fmt::format("the time limit of {} s is reached; the best estimate so far is kept", options_.timeLimit));
       return true;
     case StopCondition::Reason::none:
       break;
@@ -118,17 +121,19 @@ void Descent::emitReport(bool accepted) {
 bool Descent::stopRuleMet(double costBefore) {
   const double change = std::abs(costBefore - totals_.cost);
   if (change <= options_.costTolerance * std::abs(totals_.cost) || totals_.cost == 0.0) {
-    finish(Status::converged, fmt::format("the cost changed by {:.2e} of itself, at most {:.0e} is asked", change / std::max(totals_.cost, 1e-300),
-                                          options_.costTolerance));
+    finish(Status::converged, fmt::format("the cost changed by {:.2e} of itself, at most {:.0e} is asked",
+                                          change / std::max(totals_.cost, 1e-300), options_.costTolerance));
     return true;
   }
   const double gradient = gradientNorm() / std::max(1.0, firstGradient_);
   if (gradient <= options_.gradientTolerance) {
-    finish(Status::converged, fmt::format("the gradient is {:.2e} of the first, at most {:.0e} is asked", gradient, options_.gradientTolerance));
+    finish(Status::converged, fmt::format("the gradient is {:.2e} of the first, at most {:.0e} is asked", gradient,
+                                          options_.gradientTolerance));
     return true;
   }
   if (relativeStep_ <= options_.stepTolerance) {
-    finish(Status::converged, fmt::format("the step is {:.2e} of the estimate, at most {:.0e} is asked", relativeStep_, options_.stepTolerance));
+    finish(Status::converged, fmt::format("the step is {:.2e} of the estimate, at most {:.0e} is asked", relativeStep_,
+                                          options_.stepTolerance));
     return true;
   }
   return false;

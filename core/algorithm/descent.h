@@ -69,11 +69,12 @@ class Descent {
   bool ended_ = false;
 };
 
-/// Full steps of H δ = −g while they work. Returns false, without ending the descent, when `careful` and a step raised the cost or
-/// could not be computed: the caller may go on with damping.
+/// Full steps of H δ = −g while they work. Returns false, without ending the descent, when `careful` and a step raised
+/// the cost or could not be computed: the caller may go on with damping.
 bool gaussNewton(Descent& descent, bool careful);
 
-/// Damped steps (H + λ D) δ = −g, D = diag(H) kept within [1e-6, 1e32]; λ follows the ratio of actual to predicted decrease.
+/// Damped steps (H + λ D) δ = −g, D = diag(H) kept within [1e-6, 1e32]; λ follows the ratio of actual to predicted
+/// decrease.
 void levenbergMarquardt(Descent& descent);
 
 }  // namespace quiver

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
+#include <Eigen/Eigenvalues>
 
 #include <quiver/core/algorithm/gauge.h>
 
@@ -68,7 +68,8 @@ std::vector<std::string> looseDirections(const Problem& problem, const LinearSys
   const Eigen::VectorXd inverse = (scale.array() > 0.0).select(scale.cwiseInverse(), 1.0);
   const Eigen::MatrixXd scaled = inverse.asDiagonal() * block * inverse.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  const std::vector<std::string> names = problem.vertexType(problem.slotOfVariable(variable)).tangentNames(problem.dimension(variable));
+  const std::vector<std::string> names =
+      problem.vertexType(problem.slotOfVariable(variable)).tangentNames(problem.dimension(variable));
   for (int i = 0; i < eigen.eigenvalues().size(); ++i) {
     if (eigen.eigenvalues()[i] > 1e-12) continue;
     const Eigen::VectorXd direction = (inverse.asDiagonal() * eigen.eigenvectors().col(i)).normalized();
@@ -86,11 +87,14 @@ std::string join(const std::vector<std::string>& words) {
 }  // namespace
 
 std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const LinearOutcome& outcome) {
-  if (outcome.kind == LinearOutcome::Kind::memoryLimit) return "the linear solver would need more memory than it may use";
+  if (outcome.kind == LinearOutcome::Kind::memoryLimit)
+    return "the linear solver would need more memory than it may use";
   if (outcome.kind == LinearOutcome::Kind::notConverged) {
-    return fmt::format("the iterative linear solver did not converge in {} iterations; try --solver block", outcome.iterations);
+    return fmt::format("the iterative linear solver did not converge in {} iterations; try --solver block",
+                       outcome.iterations);
   }
-  // The failed pivot may be a neighbour of the vertex at fault: look at every vertex for one that its own edges leave loose.
+  // The failed pivot may be a neighbour of the vertex at fault: look at every vertex for one that its own edges leave
+  // loose.
   std::vector<int> candidates;
   if (outcome.variable >= 0) candidates.push_back(outcome.variable);
   const auto diagonal = system.diagonal();
@@ -107,15 +111,17 @@ std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const 
     const std::vector<std::string> loose = looseDirections(problem, system, variable);
     if (loose.empty()) continue;
     const int slot = problem.slotOfVariable(variable);
-    return fmt::format("vertex {} ({}) is not constrained in {} direction{}: {}; {}; add a measurement, fix it, or use --algorithm lm",
-                       problem.vertex(slot).id(), problem.vertexType(slot).tag(), loose.size(), loose.size() == 1 ? "" : "s", join(loose),
-                       describeEdges(problem, slot));
+    return fmt::format(
+        "vertex {} ({}) is not constrained in {} direction{}: {}; {}; add a measurement, fix it, or use --algorithm lm",
+        problem.vertex(slot).id(), problem.vertexType(slot).tag(), loose.size(), loose.size() == 1 ? "" : "s",
+        join(loose), describeEdges(problem, slot));
   }
   for (const ComponentGauge& gauge : findGauges(problem)) {
     if (gauge.free == 0) continue;
     const int slot = problem.slotOfVariable(gauge.anchor);
     return fmt::format(
-        "a component of {} vertices may move as a whole in {} directions, since nothing ties it to the world: fix vertex {} ({}; {}) "
+        "a component of {} vertices may move as a whole in {} directions, since nothing ties it to the world: fix "
+        "vertex {} ({}; {}) "
         "with --fix {}, or use --gauge fix or --algorithm lm",
         gauge.variables.size(), gauge.free, problem.vertex(slot).id(), problem.vertexType(slot).tag(),
         join(problem.vertexType(slot).tangentNames(problem.dimension(gauge.anchor))), problem.vertex(slot).id());
@@ -124,7 +130,8 @@ std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const 
   const int slot = problem.slotOfVariable(outcome.variable);
   const std::vector<std::string> names = problem.vertexType(slot).tangentNames(problem.dimension(outcome.variable));
   return fmt::format(
-      "the linear system is not positive definite: at vertex {} ({}), direction {}, the pivot is {:.3g}; together with its neighbours it "
+      "the linear system is not positive definite: at vertex {} ({}), direction {}, the pivot is {:.3g}; together with "
+      "its neighbours it "
       "is not constrained there; {}; add measurements, or use --algorithm lm",
       problem.vertex(slot).id(), problem.vertexType(slot).tag(),
       outcome.coordinate >= 0 ? names[static_cast<std::size_t>(outcome.coordinate)] : "unknown", outcome.pivot,

@@ -7,8 +7,8 @@
 
 namespace quiver {
 
-/// Why a linear system could not be solved, in words: the vertex, its type, the directions that nothing constrains in the names of its
-/// tangent, the edges around it, and what to do. `system` holds the linearisation that failed.
+/// Why a linear system could not be solved, in words: the vertex, its type, the directions that nothing constrains in
+/// the names of its tangent, the edges around it, and what to do. `system` holds the linearisation that failed.
 std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const LinearOutcome& outcome);
 
 }  // namespace quiver

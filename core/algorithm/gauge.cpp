@@ -12,7 +12,9 @@ namespace {
 
 class DisjointSets {
  public:
-  explicit DisjointSets(int count) : parent_(static_cast<std::size_t>(count)) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit DisjointSets(int count) : parent_(static_cast<std::size_t>(count)) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
   int find(int i) {
     while (at(i) != i) {
       at(i) = at(at(i));
@@ -33,7 +35,8 @@ class DisjointSets {
 
 using Generators = Eigen::Matrix<double, gaugeDirections, gaugeDirections>;
 
-/// Σ (J G)ᵀ(J G) over the edges of a component, and Σ over edges and roles of ‖J_role G‖² per generator, the scale of the sum.
+/// Σ (J G)ᵀ(J G) over the edges of a component, and Σ over edges and roles of ‖J_role G‖² per generator, the scale of
+/// the sum.
 struct Products {
   Generators square = Generators::Zero();
   Eigen::Matrix<double, gaugeDirections, 1> scale = Eigen::Matrix<double, gaugeDirections, 1>::Zero();
@@ -75,7 +78,8 @@ int findAnchor(const Problem& problem, const std::vector<int>& variables) {
   for (const int v : variables) {
     if (anchor >= 0) {
       if (problem.dimension(v) < problem.dimension(anchor)) continue;
-      const bool lower = problem.vertex(problem.slotOfVariable(v)).id() < problem.vertex(problem.slotOfVariable(anchor)).id();
+      const bool lower =
+          problem.vertex(problem.slotOfVariable(v)).id() < problem.vertex(problem.slotOfVariable(anchor)).id();
       if (problem.dimension(v) == problem.dimension(anchor) && !lower) continue;
     }
     anchor = v;
@@ -83,9 +87,10 @@ int findAnchor(const Problem& problem, const std::vector<int>& variables) {
   return anchor;
 }
 
-/// Generators of every slot, row-major dimension × gaugeDirections; empty for fixed slots and for types that supply none.
-std::vector<double> slotGenerators(const Problem& problem, std::vector<std::int64_t>& begin, const std::vector<int>& componentOf,
-                                   std::vector<ComponentGauge>& gauges) {
+/// Generators of every slot, row-major dimension × gaugeDirections; empty for fixed slots and for types that supply
+/// none.
+std::vector<double> slotGenerators(const Problem& problem, std::vector<std::int64_t>& begin,
+                                   const std::vector<int>& componentOf, std::vector<ComponentGauge>& gauges) {
   std::vector<double> all;
   begin.assign(static_cast<std::size_t>(problem.slots()), -1);
   for (int slot = 0; slot < problem.slots(); ++slot) {
@@ -109,22 +114,24 @@ std::vector<double> slotGenerators(const Problem& problem, std::vector<std::int6
 }
 
 /// Adds one edge's J G to its component.
-void addEdge(const Problem& problem, const EdgeBatch& batch, int edge, int place, const EdgeShape& shape, const Panel& panel,
-             const std::vector<std::int64_t>& begin, const std::vector<double>& generators, const std::vector<int>& componentOf,
-             std::vector<Products>& products) {
+void addEdge(const Problem& problem, const EdgeBatch& batch, int edge, int place, const EdgeShape& shape,
+             const Panel& panel, const std::vector<std::int64_t>& begin, const std::vector<double>& generators,
+             const std::vector<int>& componentOf, std::vector<Products>& products) {
   const auto slots = batch.slots(edge);
   Eigen::Matrix<double, Eigen::Dynamic, gaugeDirections> moved = Eigen::MatrixXd::Zero(shape.rows, gaugeDirections);
   Products* target = nullptr;
   for (std::size_t role = 0; role < slots.size(); ++role) {
     const std::int64_t at = begin[static_cast<std::size_t>(slots[role])];
     if (at < 0) continue;
-    target = &products[static_cast<std::size_t>(componentOf[static_cast<std::size_t>(problem.variableOfSlot(slots[role]))])];
+    target =
+        &products[static_cast<std::size_t>(componentOf[static_cast<std::size_t>(problem.variableOfSlot(slots[role]))])];
     const int columns = shape.columns[role];
     for (int k = 0; k < gaugeDirections; ++k) {
       for (int r = 0; r < shape.rows; ++r) {
         double sum = 0.0;
         for (int c = 0; c < columns; ++c) {
-          sum += panel.jacobian[role][((place / Panel::lanes * columns + c) * shape.rows + r) * Panel::lanes + place % Panel::lanes] *
+          sum += panel.jacobian[role][((place / Panel::lanes * columns + c) * shape.rows + r) * Panel::lanes +
+                                      place % Panel::lanes] *
                  generators[static_cast<std::size_t>(at + c * gaugeDirections + k)];
         }
         moved(r, k) += sum;
@@ -150,7 +157,8 @@ int freeDirections(const Products& products) {
   }
   if (live.empty()) return 0;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled, Eigen::EigenvaluesOnly);
-  constexpr double zero = 1e-14;  // (J G)ᵀ(J G) cancels to ε²; genuine priors of weight 1e-14 of the sum are priors no more
+  constexpr double zero =
+      1e-14;  // (J G)ᵀ(J G) cancels to ε²; genuine priors of weight 1e-14 of the sum are priors no more
   return static_cast<int>((eigen.eigenvalues().array() < zero).count());
 }
 
@@ -172,7 +180,8 @@ std::vector<ComponentGauge> findGauges(const Problem& problem) {
       std::iota(ids.begin(), ids.end(), first);
       batch.linearize(problem.state(), {ids.data(), static_cast<std::size_t>(count)}, buffer.panel());
       const EdgeShape shape = batch.shape(first);
-      for (int i = 0; i < count; ++i) addEdge(problem, batch, first + i, i, shape, buffer.panel(), begin, generators, componentOf, products);
+      for (int i = 0; i < count; ++i)
+        addEdge(problem, batch, first + i, i, shape, buffer.panel(), begin, generators, componentOf, products);
     }
   }
   for (std::size_t i = 0; i < gauges.size(); ++i) {

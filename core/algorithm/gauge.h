@@ -20,8 +20,8 @@ struct ComponentGauge {
 
 /// Connected components of the variables (fixed vertices do not connect) and their free directions.
 ///
-/// The directions are tested, not assumed: with G the generators that vertex types supply, a combination c is free where
-/// ‖J G c‖ vanishes over all edges of the component. One pass over the edges at `problem.state()`.
+/// The directions are tested, not assumed: with G the generators that vertex types supply, a combination c is free
+/// where ‖J G c‖ vanishes over all edges of the component. One pass over the edges at `problem.state()`.
 std::vector<ComponentGauge> findGauges(const Problem& problem);
 
 }  // namespace quiver

@@ -1,14 +1,21 @@
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include <quiver/core/algorithm/descent.h>
 
 namespace quiver {
 
+namespace {
+
+/// Once a step changed the cost by less than this of itself, H hardly changes any more and its last factor serves on.
+constexpr double chordChange = 1e-6;
+
+}  // namespace
+
 bool gaussNewton(Descent& descent, bool careful) {
+  bool chord = false;
   while (!descent.exhausted()) {
-    const LinearOutcome outcome = descent.system().solve({}, descent.delta(), descent.stop());
+    const LinearOutcome outcome = chord ? descent.system().solveWithLastFactor(descent.delta(), descent.stop())
+                                        : descent.system().solve({}, descent.delta(), descent.stop());
     if (outcome.kind == LinearOutcome::Kind::interrupted) {
       descent.fail(outcome);
       return true;
@@ -19,15 +26,21 @@ bool gaussNewton(Descent& descent, bool careful) {
       return true;
     }
     descent.setLinearIterations(outcome.iterations);
+    const double before = descent.totals().cost;
     const CostTotals trial = descent.tryStep();
-    const bool works = trial.finite() && (!careful || trial.cost <= descent.totals().cost * (1.0 + 1e-9));
+    const bool works = trial.finite() && (!(careful || chord) || trial.cost <= before * (1.0 + 1e-9));
     if (!works) {
       descent.reject();
+      if (chord) {
+        chord = false;
+        continue;
+      }
       if (careful) return false;
       descent.finish(Status::stalled, "a full step leads to errors that are not finite; try --algorithm lm");
       return true;
     }
     if (descent.accept(trial)) return true;
+    chord = std::abs(before - trial.cost) <= chordChange * before;
   }
   return true;
 }

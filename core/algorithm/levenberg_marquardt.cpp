@@ -46,10 +46,12 @@ void levenbergMarquardt(Descent& descent) {
   Damping damping(descent.options().initialDamping);
   while (!descent.exhausted()) {
     const auto diagonal = system.diagonal();
-    for (std::size_t i = 0; i < scaled.size(); ++i) scaled[i] = damping.value() * std::clamp(diagonal[i], leastScale, mostScale);
+    for (std::size_t i = 0; i < scaled.size(); ++i)
+      scaled[i] = damping.value() * std::clamp(diagonal[i], leastScale, mostScale);
     descent.setDamping(damping.value());
     const LinearOutcome outcome = system.solve(scaled, delta, descent.stop());
-    if (outcome.kind == LinearOutcome::Kind::interrupted || outcome.kind == LinearOutcome::Kind::memoryLimit) return descent.fail(outcome);
+    if (outcome.kind == LinearOutcome::Kind::interrupted || outcome.kind == LinearOutcome::Kind::memoryLimit)
+      return descent.fail(outcome);
     descent.setLinearIterations(outcome.iterations);
     double predicted = 0.0;  // cost(x) − model(δ) = −gᵀδ + δᵀ(λD)δ
     double ratio = -1.0;
@@ -60,7 +62,8 @@ void levenbergMarquardt(Descent& descent) {
       trial = descent.tryStep();
       const double actual = descent.totals().cost - trial.cost;
       ratio = trial.finite() && predicted > 0.0 ? actual / predicted : -1.0;
-      // Where the model promises less than rounding can tell, a step that does not raise the cost is as good as the model says.
+      // Where the model promises less than rounding can tell, a step that does not raise the cost is as good as the
+      // model says.
       if (trial.finite() && predicted <= 1e-13 * descent.totals().cost && actual >= 0.0) ratio = 1.0;
     }
     if (ratio > acceptedShare) {
@@ -70,13 +73,15 @@ void levenbergMarquardt(Descent& descent) {
     }
     descent.reject();
     if (predicted > 0.0 && predicted <= descent.options().costTolerance * descent.totals().cost) {
-      return descent.finish(Status::converged, fmt::format("no step can lower the cost by more than {:.2e} of itself", predicted / descent.totals().cost));
+      return descent.finish(Status::converged, fmt::format("no step can lower the cost by more than {:.2e} of itself",
+                                                           predicted / descent.totals().cost));
     }
     damping.fail();
     if (damping.hopeless()) {
       if (!outcome.ok()) return descent.fail(outcome);
-      return descent.finish(Status::stalled,
-                            "no step lowers the cost, however strongly damped; a wrong Jacobian does this: try checkJacobians(graph)");
+      return descent.finish(
+          Status::stalled,
+          "no step lowers the cost, however strongly damped; a wrong Jacobian does this: try checkJacobians(graph)");
     }
   }
 }

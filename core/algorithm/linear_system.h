@@ -38,8 +38,8 @@ struct CostTotals {
 
 /// The only door from algorithms to solvers: structure once, numbers per iteration.
 ///
-/// All vectors are in the order of the problem's variables. H = Σ JᵀJ and g = Σ Jᵀr with the panels' J and r, so the step of
-/// Gauss–Newton solves H δ = −g. Damping is an argument of `solve`, not a change to H. Not thread safe.
+/// All vectors are in the order of the problem's variables. H = Σ JᵀJ and g = Σ Jᵀr with the panels' J and r, so the
+/// step of Gauss–Newton solves H δ = −g. Damping is an argument of `solve`, not a change to H. Not thread safe.
 class LinearSystem {
  public:
   virtual ~LinearSystem() = default;
@@ -52,6 +52,12 @@ class LinearSystem {
 
   /// delta = −(H + diag(damping))⁻¹ g; `damping` has an entry ≥ 0 for every scalar, or is empty.
   virtual LinearOutcome solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) = 0;
+
+  /// delta = −H'⁻¹ g with the factor that `solve` made last, of an earlier H' (and its damping), and the gradient of
+  /// now: a chord step, far cheaper than a factorisation. The default factors anew.
+  virtual LinearOutcome solveWithLastFactor(std::span<double> delta, const StopCondition& stop) {
+    return solve({}, delta, stop);
+  }
 
   /// g and diag(H) of the last linearisation.
   virtual std::span<const double> gradient() const = 0;

@@ -7,6 +7,7 @@
 
 #include <quiver/core/algorithm/descent.h>
 #include <quiver/core/algorithm/gauge.h>
+#include <quiver/core/algorithm/structure_key.h>
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/parallel.h>
 
@@ -26,7 +27,8 @@ std::unique_ptr<LinearSystem> makeSystem(const Registry& registry, const Options
   if (const LinearSystemFactory* factory = registry.findLinearSystem(options.linearSolver)) return (*factory)(options);
   std::string known;
   for (const auto& entry : registry.linearSystems()) known += (known.empty() ? "" : ", ") + entry.name;
-  throw GraphError(fmt::format("no linear solver '{}'; the registry has {}", options.linearSolver, known.empty() ? "none" : known));
+  throw GraphError(
+      fmt::format("no linear solver '{}'; the registry has {}", options.linearSolver, known.empty() ? "none" : known));
 }
 
 std::string describeGauge(const GaugeReport& report, bool fixes, int found) {
@@ -57,6 +59,14 @@ void settleGauge(Problem& problem, const Options& options, Algorithm algorithm, 
   if (!anchors.empty()) problem.fixVariables(anchors);
 }
 
+void reportNothing(Problem& problem, Summary& summary) {
+  const CostTotals totals = problem.evaluate(problem.state());
+  summary.initialChi2 = summary.finalChi2 = totals.chi2;
+  summary.initialCost = summary.finalCost = totals.cost;
+  summary.status = Status::nothingToOptimise;
+  summary.reason = problem.edges() == 0 ? "no edge takes part" : "every vertex that an edge touches is fixed";
+}
+
 void descend(Descent& descent, Algorithm algorithm, SolvePlan& plan) {
   if (descent.begin()) {
     switch (algorithm) {
@@ -78,46 +88,72 @@ void descend(Descent& descent, Algorithm algorithm, SolvePlan& plan) {
   descent.end();
 }
 
-void run(Graph& graph, const Options& options, Algorithm algorithm, const StopCondition& stop, Summary& summary) {
+}  // namespace
+
+/// What one call leaves for the next.
+struct Optimizer::Compiled {
+  StructureKey key;
+  std::unique_ptr<Problem> problem;
+  std::unique_ptr<LinearSystem> system;
+  GaugeReport gauge;
+  bool reused = false;
+};
+
+Optimizer::Optimizer(Options options) : options_(std::move(options)), compiled_(std::make_unique<Compiled>()) {}
+Optimizer::~Optimizer() = default;
+Optimizer::Optimizer(Optimizer&&) noexcept = default;
+Optimizer& Optimizer::operator=(Optimizer&&) noexcept = default;
+bool Optimizer::reused() const { return compiled_->reused; }
+Options& Optimizer::options() { return options_; }
+
+Summary Optimizer::optimize(Graph& graph) {
+  options_.validate();
+  const Algorithm algorithm = algorithmOf(options_);
   Stopwatch watch;
-  Problem problem(graph, {options.level, options.free, summary.threads});
+  const Stopwatch whole;
+  const StopCondition stop(options_.timeLimit, options_.stopToken);
+  Summary summary;
+  summary.threads = options_.threads > 0 ? options_.threads : hardwareThreads();
+  Compiled& now = *compiled_;
+  const StructureKey key(graph, options_, summary.threads);
+  now.reused = now.problem && key == now.key;
+  if (now.reused) {
+    now.problem->refresh();
+  } else {
+    now.system.reset();
+    now.problem.reset();
+    now.gauge = {};
+    now.problem = std::make_unique<Problem>(graph, ProblemScope{options_.level, options_.free, summary.threads});
+    if (now.problem->variables() > 0) settleGauge(*now.problem, options_, algorithm, now.gauge);
+    now.key = key;
+  }
+  Problem& problem = *now.problem;
+  summary.gauge = now.gauge;
   summary.edges = problem.edges();
   summary.isolated.assign(problem.isolated().begin(), problem.isolated().end());
-  if (problem.variables() > 0) settleGauge(problem, options, algorithm, summary.gauge);
   summary.variables = problem.variables();
   summary.seconds.compile = watch.lap();
   if (problem.variables() == 0) {
-    const CostTotals totals = problem.evaluate(problem.state());
-    summary.initialChi2 = summary.finalChi2 = totals.chi2;
-    summary.initialCost = summary.finalCost = totals.cost;
-    summary.status = Status::nothingToOptimise;
-    summary.reason = problem.edges() == 0 ? "no edge takes part" : "every vertex that an edge touches is fixed";
-    return;
+    reportNothing(problem, summary);
+  } else {
+    if (!now.system) {
+      now.system = makeSystem(*graph.registry(), options_);
+      now.system->analyze(problem, options_, summary.threads);
+    }
+    summary.plan = now.system->plan();
+    summary.plan.algorithm = algorithm == Algorithm::levenbergMarquardt ? "lm" : "gn";
+    summary.plan.algorithmReason =
+        algorithm == Algorithm::automatic ? "full steps while they lower the cost" : "as asked";
+    summary.seconds.analyze = watch.lap();
+    Descent descent(problem, *now.system, options_, stop, summary);
+    descend(descent, algorithm, summary.plan);
+    problem.store();
+    summary.seconds.optimize = watch.lap();
   }
-  const std::unique_ptr<LinearSystem> system = makeSystem(*graph.registry(), options);
-  system->analyze(problem, options, summary.threads);
-  summary.plan = system->plan();
-  summary.plan.algorithm = algorithm == Algorithm::levenbergMarquardt ? "lm" : "gn";
-  summary.plan.algorithmReason = algorithm == Algorithm::automatic ? "full steps while they lower the cost" : "as asked";
-  summary.seconds.analyze = watch.lap();
-  Descent descent(problem, *system, options, stop, summary);
-  descend(descent, algorithm, summary.plan);
-  problem.store();
-  summary.seconds.optimize = watch.lap();
-}
-
-}  // namespace
-
-Summary optimize(Graph& graph, const Options& options) {
-  options.validate();
-  const Algorithm algorithm = algorithmOf(options);
-  const Stopwatch watch;
-  const StopCondition stop(options.timeLimit, options.stopToken);
-  Summary summary;
-  summary.threads = options.threads > 0 ? options.threads : hardwareThreads();
-  run(graph, options, algorithm, stop, summary);
-  summary.seconds.total = watch.seconds();
+  summary.seconds.total = whole.seconds();
   return summary;
 }
+
+Summary optimize(Graph& graph, const Options& options) { return Optimizer(options).optimize(graph); }
 
 }  // namespace quiver

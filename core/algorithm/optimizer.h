@@ -1,16 +1,46 @@
 #pragma once
 
+#include <memory>
+
 #include <quiver/core/algorithm/options.h>
 #include <quiver/core/algorithm/summary.h>
 #include <quiver/core/graph/graph.h>
 
 namespace quiver {
 
-/// Moves the estimates of a graph's free vertices to a minimum of its cost Σ ρ(eᵀΩe), starting from the estimates it has.
+/// Moves the estimates of a graph's free vertices to a minimum of its cost Σ ρ(eᵀΩe), starting from the estimates it
+/// has.
 ///
-/// Solvers are found in the graph's registry. On return the graph holds the best estimate met, whatever the status; fixed vertices are
-/// unchanged to the last bit. Throws GraphError for options or graphs that make no sense (a vertex without estimate, an unknown solver);
-/// numerical outcomes are in the summary. Runs in options.threads threads; distinct graphs may be optimised at the same time.
+/// Solvers are found in the graph's registry. On return the graph holds the best estimate met, whatever the status;
+/// fixed vertices are unchanged to the last bit. Throws GraphError for options or graphs that make no sense (a vertex
+/// without estimate, an unknown solver); numerical outcomes are in the summary. Runs in options.threads threads;
+/// distinct graphs may be optimised at the same time.
 [[nodiscard]] Summary optimize(Graph& graph, const Options& options = {});
+
+/// `optimize` that keeps what depends on structure alone: the compiled problem, the gauge, the elimination order, all
+/// memory.
+///
+/// A call whose graph has the structure of the last one (the same elements, levels and fixed directions; estimates,
+/// measurements, information, kernels and parameter values may differ) starts iterating at once and allocates nothing
+/// of the size of the problem. Otherwise it compiles anew. The graph must outlive the optimizer's next call. Not thread
+/// safe.
+class Optimizer {
+ public:
+  explicit Optimizer(Options options = {});
+  ~Optimizer();
+  Optimizer(Optimizer&&) noexcept;
+  Optimizer& operator=(Optimizer&&) noexcept;
+
+  [[nodiscard]] Summary optimize(Graph& graph);
+  /// Whether the last call reused the structure of the one before.
+  bool reused() const;
+  /// Applies to the next call; a change of solver, level, subset, gauge or threads compiles anew.
+  Options& options();
+
+ private:
+  struct Compiled;
+  Options options_;
+  std::unique_ptr<Compiled> compiled_;
+};
 
 }  // namespace quiver

@@ -40,18 +40,19 @@ void Options::validate() const {
   demand(gradientTolerance >= 0.0, "gradientTolerance", gradientTolerance);
   demand(stepTolerance >= 0.0, "stepTolerance", stepTolerance);
   demand(level >= -1, "level", level);
-  if (!(initialDamping > 0.0)) throw GraphError(fmt::format("option initialDamping is {}: it must be positive", initialDamping));
+  if (!(initialDamping > 0.0))
+    throw GraphError(fmt::format("option initialDamping is {}: it must be positive", initialDamping));
 }
 
 std::string iterationHeading() {
-  return fmt::format("{:>4}  {:>16}  {:>16}  {:>9}  {:>9}  {:>9}  {:>9}  {}", "iter", "chi2", "cost", "damping", "step", "gradient",
-                     "ms", "");
+  return fmt::format("{:>4}  {:>16}  {:>16}  {:>9}  {:>9}  {:>9}  {:>9}  {}", "iter", "chi2", "cost", "damping", "step",
+                     "gradient", "ms", "");
 }
 
 std::string iterationLine(const IterationReport& report) {
-  return fmt::format("{:>4}  {:>16.9g}  {:>16.9g}  {:>9.2e}  {:>9.2e}  {:>9.2e}  {:>9.3f}  {}", report.iteration, report.chi2,
-                     report.cost, report.damping, report.relativeStep, report.gradient, report.seconds.total * 1e3,
-                     report.accepted ? "" : "rejected");
+  return fmt::format("{:>4}  {:>16.9g}  {:>16.9g}  {:>9.2e}  {:>9.2e}  {:>9.2e}  {:>9.3f}  {}", report.iteration,
+                     report.chi2, report.cost, report.damping, report.relativeStep, report.gradient,
+                     report.seconds.total * 1e3, report.accepted ? "" : "rejected");
 }
 
 std::ostream& operator<<(std::ostream& out, const Summary& summary) {
@@ -61,13 +62,13 @@ std::ostream& operator<<(std::ostream& out, const Summary& summary) {
   }
   const SolvePlan& plan = summary.plan;
   if (!plan.algorithm.empty()) {
-    out << fmt::format("algorithm {} ({}), linear solver {}, ordering {}\n", plan.algorithm, plan.algorithmReason, plan.linearSolver,
-                       plan.ordering.empty() ? "none" : plan.ordering);
+    out << fmt::format("algorithm {} ({}), linear solver {}, ordering {}\n", plan.algorithm, plan.algorithmReason,
+                       plan.linearSolver, plan.ordering.empty() ? "none" : plan.ordering);
   }
   if (!summary.gauge.reason.empty()) out << "gauge: " << summary.gauge.reason << '\n';
   out << fmt::format("{}: {}\n", toString(summary.status), summary.reason);
-  out << fmt::format("chi2 {:.10g} -> {:.10g} with {} vertices and {} edges in {:.3f} s\n", summary.initialChi2, summary.finalChi2,
-                     summary.variables, summary.edges, summary.seconds.total);
+  out << fmt::format("chi2 {:.10g} -> {:.10g} with {} vertices and {} edges in {:.3f} s\n", summary.initialChi2,
+                     summary.finalChi2, summary.variables, summary.edges, summary.seconds.total);
   return out;
 }
 

@@ -8,15 +8,7 @@
 namespace quiver {
 
 /// How an optimisation ended.
-enum class Status {
-  converged,
-  iterationLimit,
-  timeLimit,
-  interrupted,
-  stalled,
-  numericalFailure,
-  nothingToOptimise
-};
+enum class Status { converged, iterationLimit, timeLimit, interrupted, stalled, numericalFailure, nothingToOptimise };
 
 /// "converged", "iteration_limit", …: the words of the command and its JSON.
 std::string_view toString(Status status);

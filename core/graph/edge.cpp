@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <fmt/format.h>
 
 #include <quiver/core/util/error.h>
 
@@ -16,7 +16,8 @@ void checkInformation(const double* matrix, int dimension) {
   for (int c = 0; c < dimension; ++c) {
     for (int r = 0; r < dimension; ++r) {
       if (!std::isfinite(omega(r, c))) {
-        throw GraphError(fmt::format("information matrix: entry ({}, {}) is {}; every entry must be finite", r + 1, c + 1, omega(r, c)));
+        throw GraphError(fmt::format("information matrix: entry ({}, {}) is {}; every entry must be finite", r + 1,
+                                     c + 1, omega(r, c)));
       }
       largest = std::max(largest, std::abs(omega(r, c)));
     }
@@ -28,8 +29,8 @@ void checkInformation(const double* matrix, int dimension) {
     for (int r = 0; r < c; ++r) {
       diagonal = diagonal && omega(r, c) == 0.0 && omega(c, r) == 0.0;
       if (std::abs(omega(r, c) - omega(c, r)) > 1e-9 * largest) {
-        throw GraphError(fmt::format("information matrix: not symmetric, entries ({}, {}) and ({}, {}) are {} and {}", r + 1, c + 1,
-                                     c + 1, r + 1, omega(r, c), omega(c, r)));
+        throw GraphError(fmt::format("information matrix: not symmetric, entries ({}, {}) and ({}, {}) are {} and {}",
+                                     r + 1, c + 1, c + 1, r + 1, omega(r, c), omega(c, r)));
       }
     }
   }
@@ -39,7 +40,8 @@ void checkInformation(const double* matrix, int dimension) {
   const double least = solver.eigenvalues()[0];
   const double most = solver.eigenvalues()[dimension - 1];
   if (least < -1e-6 * std::max(most, 0.0) || most < 0.0) {
-    throw GraphError(fmt::format("information matrix: not positive semi-definite, its eigenvalues reach from {:.6g} to {:.6g}", least, most));
+    throw GraphError(fmt::format(
+        "information matrix: not positive semi-definite, its eigenvalues reach from {:.6g} to {:.6g}", least, most));
   }
 }
 

@@ -44,7 +44,8 @@ class Edge {
   bool alive_ = false;
 };
 
-/// The last of an edge's vertex types: any number (≥ 1) of vertices of that type. `computeError` takes `std::span<const Estimate<S>>`.
+/// The last of an edge's vertex types: any number (≥ 1) of vertices of that type. `computeError` takes `std::span<const
+/// Estimate<S>>`.
 template <typename VertexType>
 struct AnyNumberOf {};
 
@@ -114,10 +115,10 @@ class TriangleStore<Dynamic> {
 
 /// An edge is a pure function from a measurement and estimates to an error.
 ///
-/// `Derived` supplies `template <typename S> static Vector<S, N> computeError(const M<S>& measurement, [const P<S>& parameter…,]
-/// const X<S>& estimate…)`. `N` is the error's dimension, `M` the measurement's type, `Vertices…` the vertex types. See
-/// `core/problem/edge_functions.h` for the forms that are found by concept: analytic Jacobians, lanes, member functions.
-/// `N` may be Dynamic, and the last of the vertices `AnyNumberOf<V>`.
+/// `Derived` supplies `template <typename S> static Vector<S, N> computeError(const M<S>& measurement, [const P<S>&
+/// parameter…,] const X<S>& estimate…)`. `N` is the error's dimension, `M` the measurement's type, `Vertices…` the
+/// vertex types. See `core/problem/edge_functions.h` for the forms that are found by concept: analytic Jacobians,
+/// lanes, member functions. `N` may be Dynamic, and the last of the vertices `AnyNumberOf<V>`.
 template <typename Derived, int N, typename M, typename... Vertices>
 class BaseEdge : public Edge {
  public:
@@ -129,8 +130,8 @@ class BaseEdge : public Edge {
   M measurement() const { return measurement_.get(); }
   void setMeasurement(const M& measurement) { measurement_.set(measurement); }
 
-  /// Ω, symmetric positive semi-definite, dimension × dimension, in the order of the error vector. Always checked when set
-  /// through the graph.
+  /// Ω, symmetric positive semi-definite, dimension × dimension, in the order of the error vector. Always checked when
+  /// set through the graph.
   Matrix<double, N, N> information() const {
     const int n = information_.dimension();
     Matrix<double, N, N> result(n, n);
@@ -153,8 +154,8 @@ class BaseEdge : public Edge {
   detail::TriangleStore<N> information_;
 };
 
-/// Throws GraphError unless the dimension × dimension matrix (column-major) is an information matrix: finite, symmetric (to 1e-9 of its
-/// largest entry), no eigenvalue below −1e-6 of the largest. O(dimension³).
+/// Throws GraphError unless the dimension × dimension matrix (column-major) is an information matrix: finite, symmetric
+/// (to 1e-9 of its largest entry), no eigenvalue below −1e-6 of the largest. O(dimension³).
 void checkInformation(const double* matrix, int dimension);
 
 template <typename Derived, int N, typename M, typename... Vertices>

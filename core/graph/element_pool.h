@@ -42,7 +42,9 @@ class TypedPool final : public ElementPool<Base> {
   Base& at(std::int64_t slot) override { return get(slot); }
   const Base& at(std::int64_t slot) const override { return get(slot); }
   T& get(std::int64_t slot) { return chunks_[static_cast<std::size_t>(slot / chunkSize)][slot % chunkSize]; }
-  const T& get(std::int64_t slot) const { return chunks_[static_cast<std::size_t>(slot / chunkSize)][slot % chunkSize]; }
+  const T& get(std::int64_t slot) const {
+    return chunks_[static_cast<std::size_t>(slot / chunkSize)][slot % chunkSize];
+  }
 
   std::int64_t add() override {
     if (!free_.empty()) {

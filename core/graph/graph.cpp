@@ -10,7 +10,8 @@ namespace quiver {
 namespace {
 
 template <typename Base>
-std::vector<std::unique_ptr<ElementPool<Base>>> clonePools(const std::vector<std::unique_ptr<ElementPool<Base>>>& pools) {
+std::vector<std::unique_ptr<ElementPool<Base>>> clonePools(
+    const std::vector<std::unique_ptr<ElementPool<Base>>>& pools) {
   std::vector<std::unique_ptr<ElementPool<Base>>> result;
   result.reserve(pools.size());
   for (const auto& pool : pools) result.push_back(pool ? pool->clone() : nullptr);
@@ -89,7 +90,9 @@ Graph::~Graph() = default;
 int Graph::vertexTypeIndex(std::string_view cppName) {
   if (lastVertexType_.name == cppName.data()) return lastVertexType_.index;
   const VertexType* type = registry_->findVertexTypeByName(cppName);
-  if (!type) throw GraphError(fmt::format("vertex type {} is not registered: call registry->addVertex<{}>(\"TAG\") first", cppName, cppName));
+  if (!type)
+    throw GraphError(
+        fmt::format("vertex type {} is not registered: call registry->addVertex<{}>(\"TAG\") first", cppName, cppName));
   lastVertexType_ = {cppName.data(), type->index()};
   return type->index();
 }
@@ -97,7 +100,9 @@ int Graph::vertexTypeIndex(std::string_view cppName) {
 int Graph::edgeTypeIndex(std::string_view cppName) {
   if (lastEdgeType_.name == cppName.data()) return lastEdgeType_.index;
   const EdgeType* type = registry_->findEdgeTypeByName(cppName);
-  if (!type) throw GraphError(fmt::format("edge type {} is not registered: call registry->addEdge<{}>(\"TAG\") first", cppName, cppName));
+  if (!type)
+    throw GraphError(
+        fmt::format("edge type {} is not registered: call registry->addEdge<{}>(\"TAG\") first", cppName, cppName));
   lastEdgeType_ = {cppName.data(), type->index()};
   return type->index();
 }
@@ -115,7 +120,8 @@ Vertex& Graph::addVertexOf(int type, std::int64_t id) {
 }
 
 Parameter& Graph::addParameterOf(const ParameterType* type, std::string_view cppName, std::int64_t id) {
-  if (!type) throw GraphError(fmt::format("parameter type {} is not registered: call registry->addParameter first", cppName));
+  if (!type)
+    throw GraphError(fmt::format("parameter type {} is not registered: call registry->addParameter first", cppName));
   if (id < 0) throw GraphError(fmt::format("parameter id {} is negative; ids are 0 or more", id));
   if (parameterIds_.find(id).valid()) throw GraphError(fmt::format("parameter {} exists already", id));
   ElementPool<Parameter>& pool = poolOf(parameters_, *type);
@@ -130,14 +136,15 @@ Parameter& Graph::addParameterOf(const ParameterType* type, std::string_view cpp
 void Graph::checkVertices(const EdgeType& type, std::span<const std::int64_t> vertices) const {
   const int count = static_cast<int>(vertices.size());
   if (count < type.arity() || (count > type.arity() && !type.variableArity())) {
-    throw GraphError(fmt::format("edge {} joins {}{} vertices, not {}", type.tag(), type.variableArity() ? "at least " : "",
-                                 type.arity(), count));
+    throw GraphError(fmt::format("edge {} joins {}{} vertices, not {}", type.tag(),
+                                 type.variableArity() ? "at least " : "", type.arity(), count));
   }
   const std::vector<int>& roles = roleTypes_[static_cast<std::size_t>(type.index())];
   for (int role = 0; role < count; ++role) {
     const std::int64_t id = vertices[static_cast<std::size_t>(role)];
     const ElementLocation location = vertexIds_.find(id);
-    if (!location.valid()) throw GraphError(fmt::format("edge {} names vertex {}, which does not exist", type.tag(), id));
+    if (!location.valid())
+      throw GraphError(fmt::format("edge {} names vertex {}, which does not exist", type.tag(), id));
     const int expected = roles[static_cast<std::size_t>(std::min(role, static_cast<int>(roles.size()) - 1))];
     if (location.type != expected) {
       throw GraphError(fmt::format("edge {} wants a {} at place {}, but vertex {} is a {}", type.tag(),
@@ -159,17 +166,21 @@ void Graph::checkParameters(const EdgeType& type, std::span<const std::int64_t> 
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Parameter* parameter = findParameter(parameters[i]);
-    if (!parameter) throw GraphError(fmt::format("edge {} uses parameter {}, which does not exist", type.tag(), parameters[i]));
+    if (!parameter)
+      throw GraphError(fmt::format("edge {} uses parameter {}, which does not exist", type.tag(), parameters[i]));
     if (typeOf(*parameter).cppName() != names[i]) {
       throw GraphError(fmt::format("edge {} wants a {}, but parameter {} is a {}", type.tag(),
-                                   registry_->findParameterTypeByName(names[i])->tag(), parameters[i], typeOf(*parameter).tag()));
+                                   registry_->findParameterTypeByName(names[i])->tag(), parameters[i],
+                                   typeOf(*parameter).tag()));
     }
   }
 }
 
-Edge& Graph::addEdgeOf(int typeIndex, std::span<const std::int64_t> vertices, std::span<const std::int64_t> parameters) {
+Edge& Graph::addEdgeOf(int typeIndex, std::span<const std::int64_t> vertices,
+                       std::span<const std::int64_t> parameters) {
   const EdgeType& type = *registry_->edgeTypes()[static_cast<std::size_t>(typeIndex)];
-  if (roleTypes_.size() <= static_cast<std::size_t>(typeIndex)) roleTypes_.resize(static_cast<std::size_t>(typeIndex) + 1);
+  if (roleTypes_.size() <= static_cast<std::size_t>(typeIndex))
+    roleTypes_.resize(static_cast<std::size_t>(typeIndex) + 1);
   std::vector<int>& roles = roleTypes_[static_cast<std::size_t>(typeIndex)];
   if (roles.empty()) {
     for (int role = 0; role < type.arity(); ++role) {
@@ -206,7 +217,8 @@ Vertex& Graph::checkedVertex(std::int64_t id, std::string_view cppName) {
   Vertex* vertex = findVertex(id);
   if (!vertex) throw GraphError(fmt::format("vertex {} does not exist", id));
   if (typeOf(*vertex).cppName() != cppName) {
-    throw GraphError(fmt::format("vertex {} is a {} ({}), not a {}", id, typeOf(*vertex).tag(), typeOf(*vertex).cppName(), cppName));
+    throw GraphError(
+        fmt::format("vertex {} is a {} ({}), not a {}", id, typeOf(*vertex).tag(), typeOf(*vertex).cppName(), cppName));
   }
   return *vertex;
 }

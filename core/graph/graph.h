@@ -15,7 +15,8 @@
 
 namespace quiver {
 
-/// Text that a file carries and that means nothing to the optimisation: comments before an element, data lines after it.
+/// Text that a file carries and that means nothing to the optimisation: comments before an element, data lines after
+/// it.
 struct Attachment {
   std::vector<std::string> before;
   std::vector<std::string> after;
@@ -23,8 +24,8 @@ struct Attachment {
 
 /// Vertices, edges and parameters by id: what people edit. A value: movable, copyable.
 ///
-/// Elements of one type lie in one pool and never move, so references stay valid until the element is removed. Everything is checked
-/// when it is added. Not thread safe while it is changed.
+/// Elements of one type lie in one pool and never move, so references stay valid until the element is removed.
+/// Everything is checked when it is added. Not thread safe while it is changed.
 class Graph {
  public:
   /// Shares the registry: the graph keeps the code of its types loaded.
@@ -50,8 +51,8 @@ class Graph {
   }
   Vertex& addVertex(const VertexType& type, std::int64_t id) { return addVertexOf(type.index(), id); }
 
-  /// A new edge over existing vertices. Throws GraphError if the type is not registered, a vertex is missing, named twice or of the wrong
-  /// type, a parameter is missing or of the wrong type, or the information matrix is none.
+  /// A new edge over existing vertices. Throws GraphError if the type is not registered, a vertex is missing, named
+  /// twice or of the wrong type, a parameter is missing or of the wrong type, or the information matrix is none.
   template <typename E>
   E& addEdge(std::initializer_list<std::int64_t> vertices, const typename E::Measurement& measurement,
              const Matrix<double, E::errorDimension, E::errorDimension>& information,
@@ -70,7 +71,8 @@ class Graph {
     return edge;
   }
   /// The measurement is the type's default, the information the identity.
-  Edge& addEdge(const EdgeType& type, std::span<const std::int64_t> vertices, std::span<const std::int64_t> parameters = {}) {
+  Edge& addEdge(const EdgeType& type, std::span<const std::int64_t> vertices,
+                std::span<const std::int64_t> parameters = {}) {
     return addEdgeOf(type.index(), vertices, parameters);
   }
 
@@ -81,7 +83,9 @@ class Graph {
     parameter.setValue(value);
     return parameter;
   }
-  Parameter& addParameter(const ParameterType& type, std::int64_t id) { return addParameterOf(&type, type.cppName(), id); }
+  Parameter& addParameter(const ParameterType& type, std::int64_t id) {
+    return addParameterOf(&type, type.cppName(), id);
+  }
 
   /// nullptr if there is none.
   Vertex* findVertex(std::int64_t id);
@@ -98,9 +102,15 @@ class Graph {
     return static_cast<const V&>(const_cast<Graph*>(this)->checkedVertex(id, typeName<V>()));
   }
 
-  const VertexType& typeOf(const Vertex& vertex) const { return *registry_->vertexTypes()[static_cast<std::size_t>(vertex.type())]; }
-  const EdgeType& typeOf(const Edge& edge) const { return *registry_->edgeTypes()[static_cast<std::size_t>(edge.type())]; }
-  const ParameterType& typeOf(const Parameter& p) const { return *registry_->parameterTypes()[static_cast<std::size_t>(p.type())]; }
+  const VertexType& typeOf(const Vertex& vertex) const {
+    return *registry_->vertexTypes()[static_cast<std::size_t>(vertex.type())];
+  }
+  const EdgeType& typeOf(const Edge& edge) const {
+    return *registry_->edgeTypes()[static_cast<std::size_t>(edge.type())];
+  }
+  const ParameterType& typeOf(const Parameter& p) const {
+    return *registry_->parameterTypes()[static_cast<std::size_t>(p.type())];
+  }
 
   /// Removes a vertex and every edge on it. O(edges) unless no edge is on it.
   void removeVertex(std::int64_t id);
@@ -110,7 +120,8 @@ class Graph {
   std::int64_t edgeCount() const { return edgeCount_; }
   std::int64_t parameterCount() const { return parameterIds_.size(); }
 
-  /// Calls visit(vertex) for every vertex, type by type, each type in the order of insertion (removed slots are reused).
+  /// Calls visit(vertex) for every vertex, type by type, each type in the order of insertion (removed slots are
+  /// reused).
   template <typename Visit>
   void forEachVertex(Visit&& visit) const {
     forEachIn(vertices_, visit, [](const Vertex& v) { return v.id_ >= 0; });

@@ -9,7 +9,8 @@ namespace quiver {
 
 class Graph;
 
-/// A constant that edges share: a sensor's pose, a camera's intrinsics. Known in its graph by an id of its own name space.
+/// A constant that edges share: a sensor's pose, a camera's intrinsics. Known in its graph by an id of its own name
+/// space.
 class Parameter {
  public:
   std::int64_t id() const { return id_; }

@@ -30,18 +30,19 @@ RobustValue tukey(double e, double width, double) {
   return {square / 3.0 * (1.0 - rest * rest * rest), rest * rest, -2.0 * rest / square};
 }
 
-constexpr RobustKernelType huberType{"Huber", huber, "width in standard deviations: e, beyond it 2 width sqrt(e) - width^2"};
+constexpr RobustKernelType huberType{"Huber", huber,
+                                     "width in standard deviations: e, beyond it 2 width sqrt(e) - width^2"};
 constexpr RobustKernelType cauchyType{"Cauchy", cauchy, "width in standard deviations: width^2 ln(1 + e / width^2)"};
-constexpr RobustKernelType tukeyType{"Tukey", tukey,
-                                     "width in standard deviations: width^2/3 (1 - (1 - e/width^2)^3), constant beyond it"};
+constexpr RobustKernelType tukeyType{
+    "Tukey", tukey, "width in standard deviations: width^2/3 (1 - (1 - e/width^2)^3), constant beyond it"};
 
 }  // namespace
 
 RobustKernel::RobustKernel(const RobustKernelType& type, double width, double shape)
     : type_(&type), width_(width), shape_(shape) {
   if (!(width > 0.0) || !std::isfinite(width) || !std::isfinite(shape)) {
-    throw GraphError(fmt::format("robust kernel {}: width {} and shape {}; the width must be positive, both finite", type.name,
-                                 width, shape));
+    throw GraphError(fmt::format("robust kernel {}: width {} and shape {}; the width must be positive, both finite",
+                                 type.name, width, shape));
   }
 }
 

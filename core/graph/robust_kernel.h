@@ -22,7 +22,8 @@ struct RobustKernelType {
   double defaultShape = 0.0;
 };
 
-/// A robust kernel of an edge: it replaces eᵀΩe by ρ(eᵀΩe) in the cost. A small value; the default is no kernel, ρ(e) = e.
+/// A robust kernel of an edge: it replaces eᵀΩe by ρ(eᵀΩe) in the cost. A small value; the default is no kernel, ρ(e) =
+/// e.
 class RobustKernel {
  public:
   RobustKernel() = default;

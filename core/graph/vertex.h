@@ -10,7 +10,8 @@ namespace quiver {
 
 class Graph;
 
-/// What all vertices have in common: an id, whether it is held fixed, whether it has an estimate. Knows nothing of any solver.
+/// What all vertices have in common: an id, whether it is held fixed, whether it has an estimate. Knows nothing of any
+/// solver.
 class Vertex {
  public:
   /// Unique in its graph, ≥ 0.
@@ -18,11 +19,12 @@ class Vertex {
 
   /// A fixed vertex takes part in edges but is not changed.
   void setFixed(bool fixed) { fixed_ = fixed ? allDirections : 0; }
-  /// Holds the tangent directions whose bit is set (bit i is direction i, at most 63), exactly: the increment there is zero. A mask of all
-  /// directions is the same as setFixed(true).
+  /// Holds the tangent directions whose bit is set (bit i is direction i, at most 63), exactly: the increment there is
+  /// zero. A mask of all directions is the same as setFixed(true).
   void setFixedDirections(std::uint64_t mask) { fixed_ = mask; }
   std::uint64_t fixedDirections() const { return fixed_; }
-  /// Whether every direction is held, by setFixed(true). (A mask that covers all directions of the dimension counts when compiled.)
+  /// Whether every direction is held, by setFixed(true). (A mask that covers all directions of the dimension counts
+  /// when compiled.)
   bool fixed() const { return fixed_ == allDirections; }
 
   /// A vertex without an estimate needs an initial guess before it can be optimised.
@@ -44,12 +46,13 @@ class Vertex {
 
 /// A vertex is an estimate and a retraction.
 ///
-/// `Derived` supplies `template <typename S> static Estimate<S> oplus(const Estimate<S>& x, const Vector<S, D>& delta)`, the estimate
-/// moved by a tangent vector; a version for `double` alone is enough, but then edges that rely on dual numbers fall back to numeric
-/// Jacobians. Optional: `static constexpr std::array tangent{"x [m]", …}` names the tangent's directions.
+/// `Derived` supplies `template <typename S> static Estimate<S> oplus(const Estimate<S>& x, const Vector<S, D>&
+/// delta)`, the estimate moved by a tangent vector; a version for `double` alone is enough, but then edges that rely on
+/// dual numbers fall back to numeric Jacobians. Optional: `static constexpr std::array tangent{"x [m]", …}` names the
+/// tangent's directions.
 ///
-/// `D` is the tangent's dimension, or Dynamic when `EstimateType` is a vector of run-time size: then the dimension is the vector's size.
-/// Any estimate that `Packing` knows can be stored; specialise it for types of your own.
+/// `D` is the tangent's dimension, or Dynamic when `EstimateType` is a vector of run-time size: then the dimension is
+/// the vector's size. Any estimate that `Packing` knows can be stored; specialise it for types of your own.
 template <typename Derived, int D, typename EstimateType>
 class BaseVertex : public Vertex {
   static_assert(Packable<EstimateType>, "specialise quiver::Packing for this estimate type, or use a vector");

@@ -45,9 +45,14 @@ Graph G2oLoader::load() {
     throw;
   }
   readFields();
+  bool toro = false;
   G2oAnnotations annotations(source_, options_, graph_);
-  for (const G2oChunk& chunk : chunks_) annotations.apply(chunk);
+  for (const G2oChunk& chunk : chunks_) {
+    annotations.apply(chunk);
+    for (const G2oLine& line : chunk.lines) toro = toro || (line.entry && line.entry->toro);
+  }
   annotations.finish();
+  if (toro && options_.report) options_.report->format = "toro";
   if (graph_.vertexCount() == 0 && graph_.edgeCount() == 0) {
     throw ParseError(source_.name, 0, 0, "the file holds no vertex and no edge");
   }

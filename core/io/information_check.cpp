@@ -28,6 +28,14 @@ Eigen::MatrixXd scaledMatrix(std::span<const double> triangle, int dimension, do
   return matrix;
 }
 
+/// Of the matrix divided by `scale`, where the largest cannot overflow.
+EigenvalueRange scaledRange(std::span<const double> triangle, int dimension, double scale) {
+  if (scale == 0.0) return {};
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaledMatrix(triangle, dimension, scale),
+                                                              Eigen::EigenvaluesOnly);
+  return {solver.eigenvalues()[0], solver.eigenvalues()[dimension - 1]};
+}
+
 bool sameBits(std::span<const double> a, std::span<const double> b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
 }
@@ -37,7 +45,7 @@ bool sameBits(std::span<const double> a, std::span<const double> b) {
 bool InformationCheck::accepts(std::span<const double> triangle, int dimension) {
   if (triangle.empty() || sameBits(triangle, accepted_)) return true;
   if (!factorizes(triangle, dimension)) {
-    const EigenvalueRange range = eigenvalueRange(triangle, dimension);
+    const EigenvalueRange range = scaledRange(triangle, dimension, largestMagnitude(triangle));
     if (range.least < -tolerance * std::max(range.most, 0.0)) return false;
   }
   accepted_.assign(triangle.begin(), triangle.end());
@@ -70,10 +78,8 @@ bool InformationCheck::factorizes(std::span<const double> triangle, int dimensio
 
 EigenvalueRange eigenvalueRange(std::span<const double> triangle, int dimension) {
   const double scale = largestMagnitude(triangle);
-  if (scale == 0.0) return {};
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaledMatrix(triangle, dimension, scale),
-                                                              Eigen::EigenvaluesOnly);
-  return {scale * solver.eigenvalues()[0], scale * solver.eigenvalues()[dimension - 1]};
+  const EigenvalueRange range = scaledRange(triangle, dimension, scale);
+  return {scale * range.least, scale * range.most};
 }
 
 void clampInformation(std::span<double> triangle, int dimension) {

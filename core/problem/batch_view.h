@@ -8,9 +8,10 @@ namespace quiver::detail {
 
 /// What a batch loop reads: constants of the edges, laid out once when the problem is compiled.
 ///
-/// `constants` holds measurement, parameters and the upper triangle U (UᵀU = Ω) of every edge: in lanes, number k of edge i at
-/// ((i / 8) * size + k) * 8 + i % 8, or one edge after the other at i * size + k. `records` holds, role by role, where each edge's
-/// vertex lies in a state.
+/// `constants` holds measurement, parameters and the upper triangle U (UᵀU = Ω) of every edge: in lanes, number k of
+/// edge i at
+/// ((i / 8) * size + k) * 8 + i % 8, or one edge after the other at i * size + k. `records` holds, role by role, where
+/// each edge's vertex lies in a state.
 struct BatchView {
   const double* constants = nullptr;
   const std::int64_t* records = nullptr;

@@ -68,7 +68,8 @@ std::vector<int> edgeTypeOrder(const Registry& registry) {
   std::vector<int> order(registry.edgeTypes().size());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](int a, int b) {
-    return registry.edgeTypes()[static_cast<std::size_t>(a)]->tag() < registry.edgeTypes()[static_cast<std::size_t>(b)]->tag();
+    return registry.edgeTypes()[static_cast<std::size_t>(a)]->tag() <
+           registry.edgeTypes()[static_cast<std::size_t>(b)]->tag();
   });
   return order;
 }

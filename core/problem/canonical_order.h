@@ -11,8 +11,8 @@ namespace quiver {
 /// Sorts vertices by tag, then id, and drops repetitions. O(n) when sorted already.
 void sortVertices(const Graph& graph, std::vector<Vertex*>& vertices);
 
-/// Sorts edges of one type by vertex ids, then parameter ids, information and the numbers of the measurement, so that the order in which
-/// equal edges were added does not matter. O(n) when sorted already.
+/// Sorts edges of one type by vertex ids, then parameter ids, information and the numbers of the measurement, so that
+/// the order in which equal edges were added does not matter. O(n) when sorted already.
 void sortEdges(const Graph& graph, std::vector<const Edge*>& edges);
 
 /// Indices of a registry's edge types by tag.

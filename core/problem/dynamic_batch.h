@@ -51,8 +51,9 @@ struct DynamicCalls<E, std::tuple<V...>, ParameterList<P...>> {
   template <typename T, typename S>
   using Argument = std::conditional_t<DynamicRole<T>::any, std::span<const EstimateOf<T, S>>, const EstimateOf<T, S>&>;
   template <typename T>
-  using BlockArgument = std::conditional_t<DynamicRole<T>::any, std::span<Matrix<double, rows, DynamicRole<T>::Vertex::dimension>>,
-                                           Matrix<double, rows, DynamicRole<T>::Vertex::dimension>&>;
+  using BlockArgument =
+      std::conditional_t<DynamicRole<T>::any, std::span<Matrix<double, rows, DynamicRole<T>::Vertex::dimension>>,
+                         Matrix<double, rows, DynamicRole<T>::Vertex::dimension>&>;
   template <typename S>
   using Values = std::tuple<std::vector<EstimateOf<V, S>>...>;
   using BlockLists = std::tuple<std::vector<Matrix<double, rows, DynamicRole<V>::Vertex::dimension>>...>;
@@ -62,16 +63,19 @@ struct DynamicCalls<E, std::tuple<V...>, ParameterList<P...>> {
 
   template <typename S>
   static constexpr bool hasError = requires(const E& e, const MeasurementOf<S>& m,
-                                            const typename Packing<typename P::Value>::template Rebind<S>&... p, Argument<V, S>... x) {
+                                            const typename Packing<typename P::Value>::template Rebind<S>&... p,
+                                            Argument<V, S>... x) {
     { e.computeError(m, p..., x...) } -> std::same_as<Vector<S, rows>>;
   };
-  static constexpr bool hasJacobian = requires(const E& e, const M& m, const typename P::Value&... p, Argument<V, double>... x,
-                                               BlockArgument<V>... J) { e.linearizeOplus(m, p..., x..., J...); };
+  static constexpr bool hasJacobian =
+      requires(const E& e, const M& m, const typename P::Value&... p, Argument<V, double>... x, BlockArgument<V>... J) {
+    e.linearizeOplus(m, p..., x..., J...);
+  };
   template <typename T, typename S>
-  static constexpr bool roleRetracts =
-      requires(const EstimateOf<T, S>& x, const Vector<S, DynamicRole<T>::Vertex::dimension>& delta) {
-        { DynamicRole<T>::Vertex::oplus(x, delta) } -> std::convertible_to<EstimateOf<T, S>>;
-      };
+  static constexpr bool roleRetracts = requires(const EstimateOf<T, S>& x,
+                                                const Vector<S, DynamicRole<T>::Vertex::dimension>& delta) {
+    { DynamicRole<T>::Vertex::oplus(x, delta) } -> std::convertible_to<EstimateOf<T, S>>;
+  };
   template <typename S>
   static constexpr bool retracts = (roleRetracts<V, S> && ...);
 
@@ -95,19 +99,24 @@ struct DynamicCalls<E, std::tuple<V...>, ParameterList<P...>> {
   }
 
   template <typename S>
-  static Vector<S, rows> error(const E& edge, const MeasurementOf<S>& m, const ParameterValues<S>& p, const Values<S>& x) {
+  static Vector<S, rows> error(const E& edge, const MeasurementOf<S>& m, const ParameterValues<S>& p,
+                               const Values<S>& x) {
     return [&]<int... A, int... B>(std::integer_sequence<int, A...>, std::integer_sequence<int, B...>) {
       return edge.computeError(m, std::get<A>(p)..., argument<B, S>(x)...);
-    }(std::make_integer_sequence<int, sizeof...(P)>(), std::make_integer_sequence<int, roles>());
+    }
+    (std::make_integer_sequence<int, sizeof...(P)>(), std::make_integer_sequence<int, roles>());
   }
-  static void jacobian(const E& edge, const M& m, const ParameterValues<double>& p, const Values<double>& x, BlockLists& J) {
+  static void jacobian(const E& edge, const M& m, const ParameterValues<double>& p, const Values<double>& x,
+                       BlockLists& J) {
     [&]<int... A, int... B>(std::integer_sequence<int, A...>, std::integer_sequence<int, B...>) {
       edge.linearizeOplus(m, std::get<A>(p)..., argument<B, double>(x)..., block<B>(J)...);
-    }(std::make_integer_sequence<int, sizeof...(P)>(), std::make_integer_sequence<int, roles>());
+    }
+    (std::make_integer_sequence<int, sizeof...(P)>(), std::make_integer_sequence<int, roles>());
   }
 };
 
-/// A batch of an edge type whose error dimension, arity or tangent dimensions are known at run time. One edge a call, in double.
+/// A batch of an edge type whose error dimension, arity or tangent dimensions are known at run time. One edge a call,
+/// in double.
 template <typename E>
 class DynamicBatch final : public EdgeBatch {
   using Calls = DynamicCalls<E>;
@@ -115,9 +124,10 @@ class DynamicBatch final : public EdgeBatch {
   using DualChunk = Dual<double, chunk>;
   static constexpr Jacobians requested = requestedJacobians<E>();
   static constexpr bool hasDual = Calls::template hasError<DualChunk> && Calls::template retracts<DualChunk>;
-  static_assert(Calls::template hasError<double>,
-                "computeError(measurement, parameters…, estimates…) must return exactly Vector<double, N>; AnyNumberOf<V> is a "
-                "std::span<const Estimate>");
+  static_assert(
+      Calls::template hasError<double>,
+      "computeError(measurement, parameters…, estimates…) must return exactly Vector<double, N>; AnyNumberOf<V> is a "
+      "std::span<const Estimate>");
   static constexpr Jacobians form =
       requested != Jacobians::automatic
           ? requested
@@ -146,7 +156,8 @@ class DynamicBatch final : public EdgeBatch {
     result.rows = typed(i).informationStore().dimension();
     const std::size_t begin = first(i);
     const std::size_t count = slots(i).size();
-    for (std::size_t k = 0; k < count; ++k) result.columns.push_back(dimensionAt(static_cast<int>(k), counts_[begin + k]));
+    for (std::size_t k = 0; k < count; ++k)
+      result.columns.push_back(dimensionAt(static_cast<int>(k), counts_[begin + k]));
     return result;
   }
   EdgeShape largestShape() const override {
@@ -155,7 +166,8 @@ class DynamicBatch final : public EdgeBatch {
       const EdgeShape one = shape(i);
       largest.rows = std::max(largest.rows, one.rows);
       largest.columns.resize(std::max(largest.columns.size(), one.columns.size()));
-      for (std::size_t k = 0; k < one.columns.size(); ++k) largest.columns[k] = std::max(largest.columns[k], one.columns[k]);
+      for (std::size_t k = 0; k < one.columns.size(); ++k)
+        largest.columns[k] = std::max(largest.columns[k], one.columns[k]);
     }
     return largest;
   }
@@ -197,10 +209,12 @@ class DynamicBatch final : public EdgeBatch {
   static int dimensionAt(int place, int count) {
     int result = 0;
     [&]<int... I>(std::integer_sequence<int, I...>) {
-      ((std::min(place, Calls::roles - 1) == I ? void(result = Role<I>::Vertex::dimension == Dynamic ? count : Role<I>::Vertex::dimension)
-                                               : void()),
+      ((std::min(place, Calls::roles - 1) == I
+            ? void(result = Role<I>::Vertex::dimension == Dynamic ? count : Role<I>::Vertex::dimension)
+            : void()),
        ...);
-    }(std::make_integer_sequence<int, Calls::roles>());
+    }
+    (std::make_integer_sequence<int, Calls::roles>());
     return result;
   }
 
@@ -217,7 +231,8 @@ class DynamicBatch final : public EdgeBatch {
     }(static_cast<typename E::Parameters*>(nullptr));
   }
 
-  /// Estimates of edge i in scalar S; `seed` makes dual directions [seed, seed + chunk) of the edge's tangent, numbered through its roles.
+  /// Estimates of edge i in scalar S; `seed` makes dual directions [seed, seed + chunk) of the edge's tangent, numbered
+  /// through its roles.
   template <typename S>
   typename Calls::template Values<S> valuesOf(const State& state, int i, int seed = 0) const {
     typename Calls::template Values<S> values;
@@ -246,7 +261,8 @@ class DynamicBatch final : public EdgeBatch {
             }
           }(),
           ...);
-    }(std::make_integer_sequence<int, Calls::roles>());
+    }
+    (std::make_integer_sequence<int, Calls::roles>());
     return values;
   }
 
@@ -257,7 +273,8 @@ class DynamicBatch final : public EdgeBatch {
     std::vector<Matrix<double, Dynamic, Dynamic>> J;
     for (const int columns : shape.columns) J.emplace_back(shape.rows, columns);
     const typename Calls::template Values<double> x = valuesOf<double>(state, i);
-    Vector<double, Dynamic> error = Calls::template error<double>(typed(i), typed(i).measurement(), parametersOf<double>(i), x);
+    Vector<double, Dynamic> error =
+        Calls::template error<double>(typed(i), typed(i).measurement(), parametersOf<double>(i), x);
     if (withJacobians) differentiate(state, i, shape, x, J);
     const double* U = roots_.data() + rootBegin_[static_cast<std::size_t>(i)];
     whitenColumn(U, shape.rows, error);
@@ -281,26 +298,31 @@ class DynamicBatch final : public EdgeBatch {
     }
   }
 
-  void differentiate(const State& state, int i, const EdgeShape& shape, const typename Calls::template Values<double>& x,
+  void differentiate(const State& state, int i, const EdgeShape& shape,
+                     const typename Calls::template Values<double>& x,
                      std::vector<Matrix<double, Dynamic, Dynamic>>& J) const {
     if constexpr (form == Jacobians::analytic) {
       typename Calls::BlockLists blocks;
       std::size_t place = 0;
       [&]<int... I>(std::integer_sequence<int, I...>) {
-        ((forEachOf<I>(x, [&](std::size_t) {
-           std::get<I>(blocks).push_back(Matrix<double, Calls::rows, Role<I>::Vertex::dimension>::Zero(shape.rows, shape.columns[place++]));
-         })),
+        ((forEachOf<I>(x,
+                       [&](std::size_t) {
+                         std::get<I>(blocks).push_back(Matrix<double, Calls::rows, Role<I>::Vertex::dimension>::Zero(
+                             shape.rows, shape.columns[place++]));
+                       })),
          ...);
         Calls::jacobian(typed(i), typed(i).measurement(), parametersOf<double>(i), x, blocks);
         place = 0;
         ((forEachOf<I>(x, [&](std::size_t k) { J[place++] = std::get<I>(blocks)[k]; })), ...);
-      }(std::make_integer_sequence<int, Calls::roles>());
+      }
+      (std::make_integer_sequence<int, Calls::roles>());
     } else if constexpr (form == Jacobians::dual) {
       int total = 0;
       for (const int columns : shape.columns) total += columns;
       for (int seed = 0; seed < total; seed += chunk) {
         typename Calls::template MeasurementOf<DualChunk> m = measurementOf<DualChunk>(i);
-        const auto error = Calls::template error<DualChunk>(typed(i), m, parametersOf<DualChunk>(i), valuesOf<DualChunk>(state, i, seed));
+        const auto error = Calls::template error<DualChunk>(typed(i), m, parametersOf<DualChunk>(i),
+                                                            valuesOf<DualChunk>(state, i, seed));
         scatterGradients(error, seed, shape, J);
       }
     } else {
@@ -326,7 +348,8 @@ class DynamicBatch final : public EdgeBatch {
   }
 
   template <typename Error>
-  static void scatterGradients(const Error& error, int seed, const EdgeShape& shape, std::vector<Matrix<double, Dynamic, Dynamic>>& J) {
+  static void scatterGradients(const Error& error, int seed, const EdgeShape& shape,
+                               std::vector<Matrix<double, Dynamic, Dynamic>>& J) {
     int direction = 0;
     for (std::size_t role = 0; role < J.size(); ++role) {
       for (int c = 0; c < shape.columns[role]; ++c, ++direction) {
@@ -336,7 +359,8 @@ class DynamicBatch final : public EdgeBatch {
     }
   }
 
-  void differences(int i, typename Calls::template Values<double> x, std::vector<Matrix<double, Dynamic, Dynamic>>& J) const {
+  void differences(int i, typename Calls::template Values<double> x,
+                   std::vector<Matrix<double, Dynamic, Dynamic>>& J) const {
     const auto p = parametersOf<double>(i);
     const auto m = typed(i).measurement();
     std::size_t place = 0;
@@ -361,7 +385,8 @@ class DynamicBatch final : public EdgeBatch {
             }
           }(),
           ...);
-    }(std::make_integer_sequence<int, Calls::roles>());
+    }
+    (std::make_integer_sequence<int, Calls::roles>());
   }
 
   std::vector<std::int64_t> records_;

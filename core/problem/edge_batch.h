@@ -34,9 +34,10 @@ struct BatchSource {
 
 /// All active edges of one type, compiled: the boundary between types and solvers.
 ///
-/// The solver decides which edges are evaluated, in which order, and what becomes of the panel; a batch never sees a matrix. Edges are
-/// numbered from 0 in the batch. Const functions may be called from several threads at once with different panels. What is
-/// computed for an edge does not depend on the other edges of the list nor on its place in it: the same bits always.
+/// The solver decides which edges are evaluated, in which order, and what becomes of the panel; a batch never sees a
+/// matrix. Edges are numbered from 0 in the batch. Const functions may be called from several threads at once with
+/// different panels. What is computed for an edge does not depend on the other edges of the list nor on its place in
+/// it: the same bits always.
 class EdgeBatch {
  public:
   virtual ~EdgeBatch() = default;
@@ -44,7 +45,8 @@ class EdgeBatch {
   int size() const { return static_cast<int>(edges_.size()); }
   const Edge& edge(int i) const { return *edges_[static_cast<std::size_t>(i)]; }
   std::span<const std::int32_t> slots(int i) const {
-    return {slots_.data() + begin_[static_cast<std::size_t>(i)], slots_.data() + begin_[static_cast<std::size_t>(i) + 1]};
+    return {slots_.data() + begin_[static_cast<std::size_t>(i)],
+            slots_.data() + begin_[static_cast<std::size_t>(i) + 1]};
   }
   /// Whether all edges have the shape `largestShape()`. If not, lists may hold one edge only.
   virtual bool uniform() const = 0;
@@ -52,7 +54,8 @@ class EdgeBatch {
   /// The largest rows and columns of any edge: the shape for a PanelBuffer.
   virtual EdgeShape largestShape() const = 0;
 
-  /// Residuals, squared errors, costs and weights of at most 64 edges at `state`. Residuals are whitened, not yet weighted.
+  /// Residuals, squared errors, costs and weights of at most 64 edges at `state`. Residuals are whitened, not yet
+  /// weighted.
   virtual void evaluate(const State& state, std::span<const std::int32_t> edges, const Panel& panel) const = 0;
   /// The same and the Jacobian blocks, with residuals and blocks weighted by the robust kernels.
   virtual void linearize(const State& state, std::span<const std::int32_t> edges, const Panel& panel) const = 0;

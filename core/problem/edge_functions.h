@@ -21,8 +21,8 @@ struct RebindMeasurement<M, S> {
   using Type = typename Packing<M>::template Rebind<S>;
 };
 
-/// Which of the functions an edge type may offer it does offer, for a scalar type S. A form counts only if it returns exactly
-/// Vector<S, N>: being callable is not enough, since Eigen converts.
+/// Which of the functions an edge type may offer it does offer, for a scalar type S. A form counts only if it returns
+/// exactly Vector<S, N>: being callable is not enough, since Eigen converts.
 template <typename E, typename Vertices = typename E::VertexTypes, typename Parameters = typename E::Parameters>
 struct EdgeFunctions;
 
@@ -40,30 +40,34 @@ struct EdgeFunctions<E, std::tuple<V...>, ParameterList<P...>> {
   using ValueOf = typename Packing<T>::template Rebind<S>;
 
   template <typename S>
-  static constexpr bool staticError =
-      requires(const MeasurementOf<S>& m, const ValueOf<typename P::Value, S>&... p, const ValueOf<typename V::Estimate, S>&... x) {
-        { E::computeError(m, p..., x...) } -> std::same_as<Vector<S, rows>>;
-      };
+  static constexpr bool staticError = requires(const MeasurementOf<S>& m, const ValueOf<typename P::Value, S>&... p,
+                                               const ValueOf<typename V::Estimate, S>&... x) {
+    { E::computeError(m, p..., x...) } -> std::same_as<Vector<S, rows>>;
+  };
   template <typename S>
-  static constexpr bool anyError = requires(const E& e, const MeasurementOf<S>& m, const ValueOf<typename P::Value, S>&... p,
+  static constexpr bool anyError = requires(const E& e, const MeasurementOf<S>& m,
+                                            const ValueOf<typename P::Value, S>&... p,
                                             const ValueOf<typename V::Estimate, S>&... x) {
     { e.computeError(m, p..., x...) } -> std::same_as<Vector<S, rows>>;
   };
   template <typename S>
-  static constexpr bool staticJacobian =
-      requires(const MeasurementOf<S>& m, const ValueOf<typename P::Value, S>&... p, const ValueOf<typename V::Estimate, S>&... x,
-               Matrix<S, rows, V::dimension>&... J) { E::linearizeOplus(m, p..., x..., J...); };
+  static constexpr bool staticJacobian = requires(const MeasurementOf<S>& m, const ValueOf<typename P::Value, S>&... p,
+                                                  const ValueOf<typename V::Estimate, S>&... x,
+                                                  Matrix<S, rows, V::dimension>&... J) {
+    E::linearizeOplus(m, p..., x..., J...);
+  };
   template <typename S>
-  static constexpr bool anyJacobian =
-      requires(const E& e, const MeasurementOf<S>& m, const ValueOf<typename P::Value, S>&... p,
-               const ValueOf<typename V::Estimate, S>&... x, Matrix<S, rows, V::dimension>&... J) {
-        e.linearizeOplus(m, p..., x..., J...);
-      };
+  static constexpr bool anyJacobian = requires(const E& e, const MeasurementOf<S>& m,
+                                               const ValueOf<typename P::Value, S>&... p,
+                                               const ValueOf<typename V::Estimate, S>&... x,
+                                               Matrix<S, rows, V::dimension>&... J) {
+    e.linearizeOplus(m, p..., x..., J...);
+  };
   template <typename Vertex, typename S>
-  static constexpr bool vertexRetracts =
-      requires(const ValueOf<typename Vertex::Estimate, S>& x, const Vector<S, Vertex::dimension>& delta) {
-        { Vertex::oplus(x, delta) } -> std::convertible_to<ValueOf<typename Vertex::Estimate, S>>;
-      };
+  static constexpr bool vertexRetracts = requires(const ValueOf<typename Vertex::Estimate, S>& x,
+                                                  const Vector<S, Vertex::dimension>& delta) {
+    { Vertex::oplus(x, delta) } -> std::convertible_to<ValueOf<typename Vertex::Estimate, S>>;
+  };
   template <typename S>
   static constexpr bool retracts = (vertexRetracts<V, S> && ...);
 };
@@ -71,7 +75,9 @@ struct EdgeFunctions<E, std::tuple<V...>, ParameterList<P...>> {
 /// Whether `Jacobians::…` is what the type insists on.
 template <typename E>
 constexpr Jacobians requestedJacobians() {
-  if constexpr (requires { { E::jacobians } -> std::convertible_to<Jacobians>; }) {
+  if constexpr (requires {
+                  { E::jacobians } -> std::convertible_to<Jacobians>;
+                }) {
     return E::jacobians;
   } else {
     return Jacobians::automatic;
@@ -81,7 +87,9 @@ constexpr Jacobians requestedJacobians() {
 /// Whether the type allows eight edges side by side.
 template <typename E>
 constexpr bool requestsLanes() {
-  if constexpr (requires { { E::lanes } -> std::convertible_to<bool>; }) {
+  if constexpr (requires {
+                  { E::lanes } -> std::convertible_to<bool>;
+                }) {
     return E::lanes;
   } else {
     return false;

@@ -23,15 +23,18 @@ struct EdgeFormOf {
   static constexpr Jacobians requested = requestedJacobians<E>();
 
   static constexpr bool hasAnalytic = Functions::template anyJacobian<double>;
-  static constexpr bool hasDual = Functions::template anyError<DualOf<double>> && Functions::template retracts<DualOf<double>>;
+  static constexpr bool hasDual =
+      Functions::template anyError<DualOf<double>> && Functions::template retracts<DualOf<double>>;
   static_assert(requested != Jacobians::analytic || hasAnalytic,
                 "jacobians = analytic needs linearizeOplus(measurement, estimates…, Matrix<S, N, D>&…)");
-  static_assert(requested != Jacobians::dual || hasDual,
-                "jacobians = dual needs computeError and the vertices' oplus as templates that return exactly Vector<S, N>");
+  static_assert(
+      requested != Jacobians::dual || hasDual,
+      "jacobians = dual needs computeError and the vertices' oplus as templates that return exactly Vector<S, N>");
 
   static constexpr Jacobians jacobians =
-      requested != Jacobians::automatic ? requested
-                                        : (hasAnalytic ? Jacobians::analytic : (hasDual ? Jacobians::dual : Jacobians::numeric));
+      requested != Jacobians::automatic
+          ? requested
+          : (hasAnalytic ? Jacobians::analytic : (hasDual ? Jacobians::dual : Jacobians::numeric));
 
   static constexpr bool laneError = Functions::packableMeasurement && Functions::template staticError<Lane>;
   static constexpr bool laneJacobian =
@@ -40,7 +43,8 @@ struct EdgeFormOf {
           : (jacobians == Jacobians::dual && Functions::template staticError<DualOf<Lane>> &&
              Functions::template retracts<DualOf<Lane>>);
   static_assert(!requestsLanes<E>() || laneError,
-                "lanes = true needs a static template computeError<S> that returns exactly Vector<S, N> and a packable measurement");
+                "lanes = true needs a static template computeError<S> that returns exactly Vector<S, N> and a packable "
+                "measurement");
   static constexpr bool lanes = requestsLanes<E>() && laneError && laneJacobian;
 
   static EdgeForm describe() {
@@ -54,7 +58,8 @@ struct EdgeFormOf {
     } else if (jacobians == Jacobians::dual) {
       form.reason = "computeError takes dual numbers";
     } else {
-      form.reason = "neither linearizeOplus nor a computeError and oplus that take dual numbers and return exactly Vector<S, N>";
+      form.reason =
+          "neither linearizeOplus nor a computeError and oplus that take dual numbers and return exactly Vector<S, N>";
     }
     if (requestsLanes<E>() && !lanes) form.reason += "; one edge at a time, since the Jacobian does not take lanes";
     return form;
@@ -76,7 +81,8 @@ class FixedBatch final : public EdgeBatch {
     for (std::int64_t i = 0; i < count; ++i) {
       const auto slots = this->slots(static_cast<int>(i));
       for (int role = 0; role < Loop::arity; ++role) {
-        records_[static_cast<std::size_t>(role * count + i)] = source.layout.offset(slots[static_cast<std::size_t>(role)]);
+        records_[static_cast<std::size_t>(role * count + i)] =
+            source.layout.offset(slots[static_cast<std::size_t>(role)]);
       }
     }
     objects_.reserve(static_cast<std::size_t>(count));
@@ -141,7 +147,8 @@ class FixedBatch final : public EdgeBatch {
     if constexpr (Form::lanes) {
       const int last = i + 1 == size() ? (i / Panel::lanes + 1) * Panel::lanes - 1 : i;
       for (int lane = i; lane <= last; ++lane) {
-        double* out = constants_.data() + std::int64_t{lane / Panel::lanes} * Loop::constants * Panel::lanes + lane % Panel::lanes;
+        double* out = constants_.data() + std::int64_t{lane / Panel::lanes} * Loop::constants * Panel::lanes +
+                      lane % Panel::lanes;
         for (int k = 0; k < Loop::constants; ++k) out[k * Panel::lanes] = numbers[k];
       }
     } else {
@@ -172,15 +179,18 @@ class FixedBatch final : public EdgeBatch {
   }
 
   template <bool withJacobians>
-  QUIVER_BATCH_LOOP_AVX512 static void runAvx512(const BatchView& view, const std::int32_t* edges, int count, const Panel& panel) {
+  QUIVER_BATCH_LOOP_AVX512 static void runAvx512(const BatchView& view, const std::int32_t* edges, int count,
+                                                 const Panel& panel) {
     loop<isa::Avx512, withJacobians>(view, edges, count, panel);
   }
   template <bool withJacobians>
-  QUIVER_BATCH_LOOP_AVX2 static void runAvx2(const BatchView& view, const std::int32_t* edges, int count, const Panel& panel) {
+  QUIVER_BATCH_LOOP_AVX2 static void runAvx2(const BatchView& view, const std::int32_t* edges, int count,
+                                             const Panel& panel) {
     loop<isa::Avx2, withJacobians>(view, edges, count, panel);
   }
   template <bool withJacobians>
-  QUIVER_BATCH_LOOP_GENERIC static void runGeneric(const BatchView& view, const std::int32_t* edges, int count, const Panel& panel) {
+  QUIVER_BATCH_LOOP_GENERIC static void runGeneric(const BatchView& view, const std::int32_t* edges, int count,
+                                                   const Panel& panel) {
     loop<isa::Generic, withJacobians>(view, edges, count, panel);
   }
 

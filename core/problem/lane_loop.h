@@ -64,7 +64,8 @@ struct EdgeLoop<E, std::tuple<V...>, ParameterList<P...>> {
   static ParameterValues<S> parameterValues(const S* constant) {
     return [&]<int... I>(std::integer_sequence<int, I...>) {
       return ParameterValues<S>(Packing<typename P::Value>::template load<S>(constant + parameterOffset<I>())...);
-    }(std::make_integer_sequence<int, static_cast<int>(sizeof...(P))>());
+    }
+    (std::make_integer_sequence<int, static_cast<int>(sizeof...(P))>());
   }
 
   /// Moves estimates by tangent vectors whose gradients are the unit vectors: dual numbers that carry all directions.
@@ -81,7 +82,8 @@ struct EdgeLoop<E, std::tuple<V...>, ParameterList<P...>> {
         }
         return Vertex::oplus(lifted<D, typename Vertex::Estimate>(std::get<I>(x)), delta);
       }()...);
-    }(std::make_integer_sequence<int, arity>());
+    }
+    (std::make_integer_sequence<int, arity>());
   }
 
   /// A value as constants of a dual number type.
@@ -97,18 +99,19 @@ struct EdgeLoop<E, std::tuple<V...>, ParameterList<P...>> {
 
   /// Error and blocks by dual numbers.
   template <typename S, typename Measurement>
-  static Vector<S, rows> linearizeDual(const E& edge, const Measurement& m, const ParameterValues<S>& p, const Estimates<S>& x,
-                                       Blocks<S>& J) {
+  static Vector<S, rows> linearizeDual(const E& edge, const Measurement& m, const ParameterValues<S>& p,
+                                       const Estimates<S>& x, Blocks<S>& J) {
     using D = Dual<S, tangent>;
     const Estimates<D> moved = seeded<S>(x);
     const Vector<D, rows> error = [&]<int... I>(std::integer_sequence<int, I...>) {
-      return callError<D>(edge, liftedMeasurement<D>(m), ParameterValues<D>(lifted<D, typename P::Value>(std::get<I>(p))...), moved);
-    }(std::make_integer_sequence<int, static_cast<int>(sizeof...(P))>());
+      return callError<D>(edge, liftedMeasurement<D>(m),
+                          ParameterValues<D>(lifted<D, typename P::Value>(std::get<I>(p))...), moved);
+    }
+    (std::make_integer_sequence<int, static_cast<int>(sizeof...(P))>());
     Vector<S, rows> value;
     for (int r = 0; r < rows; ++r) value[r] = error[r].value;
-    [&]<int... I>(std::integer_sequence<int, I...>) {
-      (copyGradients<columnOffset<I>()>(error, std::get<I>(J)), ...);
-    }(std::make_integer_sequence<int, arity>());
+    [&]<int... I>(std::integer_sequence<int, I...>) { (copyGradients<columnOffset<I>()>(error, std::get<I>(J)), ...); }
+    (std::make_integer_sequence<int, arity>());
     return value;
   }
 
@@ -130,25 +133,29 @@ struct EdgeLoop<E, std::tuple<V...>, ParameterList<P...>> {
 
   /// computeError, static or of the edge at hand.
   template <typename S, typename Measurement>
-  static Vector<S, rows> callError(const E& edge, const Measurement& m, const ParameterValues<S>& p, const Estimates<S>& x) {
+  static Vector<S, rows> callError(const E& edge, const Measurement& m, const ParameterValues<S>& p,
+                                   const Estimates<S>& x) {
     return [&]<int... A, int... B>(std::integer_sequence<int, A...>, std::integer_sequence<int, B...>) {
       if constexpr (Functions::template staticError<S>) {
         return E::computeError(m, std::get<A>(p)..., std::get<B>(x)...);
       } else {
         return edge.computeError(m, std::get<A>(p)..., std::get<B>(x)...);
       }
-    }(std::make_integer_sequence<int, static_cast<int>(sizeof...(P))>(), std::make_integer_sequence<int, arity>());
+    }
+    (std::make_integer_sequence<int, static_cast<int>(sizeof...(P))>(), std::make_integer_sequence<int, arity>());
   }
 
   template <typename S, typename Measurement>
-  static void callJacobian(const E& edge, const Measurement& m, const ParameterValues<S>& p, const Estimates<S>& x, Blocks<S>& J) {
+  static void callJacobian(const E& edge, const Measurement& m, const ParameterValues<S>& p, const Estimates<S>& x,
+                           Blocks<S>& J) {
     [&]<int... A, int... B>(std::integer_sequence<int, A...>, std::integer_sequence<int, B...>) {
       if constexpr (Functions::template staticJacobian<S>) {
         E::linearizeOplus(m, std::get<A>(p)..., std::get<B>(x)..., std::get<B>(J)...);
       } else {
         edge.linearizeOplus(m, std::get<A>(p)..., std::get<B>(x)..., std::get<B>(J)...);
       }
-    }(std::make_integer_sequence<int, static_cast<int>(sizeof...(P))>(), std::make_integer_sequence<int, arity>());
+    }
+    (std::make_integer_sequence<int, static_cast<int>(sizeof...(P))>(), std::make_integer_sequence<int, arity>());
   }
 };
 
@@ -190,11 +197,12 @@ inline typename EdgeLoop<E>::template Estimates<L> loadEstimates(const BatchView
       loadRecords<size>(pointers, numbers);
       return Packing<typename Vertex::Estimate>::template load<L>(numbers);
     }()...);
-  }(std::make_integer_sequence<int, Loop::arity>());
+  }
+  (std::make_integer_sequence<int, Loop::arity>());
 }
 
-/// Eight edges at a time: loads, calls the type's functions with S = Lanes, whitens, writes the panel. Everything is inlined into the
-/// caller, which carries the instruction set.
+/// Eight edges at a time: loads, calls the type's functions with S = Lanes, whitens, writes the panel. Everything is
+/// inlined into the caller, which carries the instruction set.
 template <typename E, typename L, bool analytic, bool withJacobians>
 inline void laneLoop(const BatchView& view, const std::int32_t* edges, int count, const Panel& panel) {
   using Loop = EdgeLoop<E>;
@@ -221,7 +229,8 @@ inline void laneLoop(const BatchView& view, const std::int32_t* edges, int count
       }
       [&]<int... I>(std::integer_sequence<int, I...>) {
         (storeBlock<rows, Loop::columns[I]>(U, view.diagonal, std::get<I>(J), panel.jacobian[I], group), ...);
-      }(std::make_integer_sequence<int, Loop::arity>());
+      }
+      (std::make_integer_sequence<int, Loop::arity>());
     } else {
       error = Loop::template callError<L>(none, m, p, x);
     }

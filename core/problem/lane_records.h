@@ -8,8 +8,8 @@ namespace quiver::detail {
 
 // Moving numbers between memory and lanes, by instruction set. Each function is inlined into the batch loop of its set.
 
-/// out[k] lane i = pointers[i][k], k < Size: eight records become lanes. May read up to the next multiple of eight numbers behind a
-/// record.
+/// out[k] lane i = pointers[i][k], k < Size: eight records become lanes. May read up to the next multiple of eight
+/// numbers behind a record.
 template <int Size, typename Isa>
 inline void loadRecords(const double* const* pointers, Lanes<Isa>* out) {
   for (int k = 0; k < Size; ++k) {
@@ -57,23 +57,23 @@ QUIVER_TARGET_AVX2 inline void loadLanes(const double* in, Lanes<isa::Avx2>& val
 }
 
 /// Transposes eight rows of eight in registers: 24 shuffles.
-#  define QUIVER_TRANSPOSE8(r)                                                                       \
-    {                                                                                                \
-      const Index8 low = {0, 8, 2, 10, 4, 12, 6, 14}, high = {1, 9, 3, 11, 5, 13, 7, 15};            \
-      const Index8 low2 = {0, 1, 8, 9, 4, 5, 12, 13}, high2 = {2, 3, 10, 11, 6, 7, 14, 15};          \
-      const Index8 low4 = {0, 1, 2, 3, 8, 9, 10, 11}, high4 = {4, 5, 6, 7, 12, 13, 14, 15};          \
-      Native8 a0 = __builtin_shuffle(r[0], r[1], low), a1 = __builtin_shuffle(r[0], r[1], high);     \
-      Native8 a2 = __builtin_shuffle(r[2], r[3], low), a3 = __builtin_shuffle(r[2], r[3], high);     \
-      Native8 a4 = __builtin_shuffle(r[4], r[5], low), a5 = __builtin_shuffle(r[4], r[5], high);     \
-      Native8 a6 = __builtin_shuffle(r[6], r[7], low), a7 = __builtin_shuffle(r[6], r[7], high);     \
-      Native8 b0 = __builtin_shuffle(a0, a2, low2), b1 = __builtin_shuffle(a1, a3, low2);            \
-      Native8 b2 = __builtin_shuffle(a0, a2, high2), b3 = __builtin_shuffle(a1, a3, high2);          \
-      Native8 b4 = __builtin_shuffle(a4, a6, low2), b5 = __builtin_shuffle(a5, a7, low2);            \
-      Native8 b6 = __builtin_shuffle(a4, a6, high2), b7 = __builtin_shuffle(a5, a7, high2);          \
-      r[0] = __builtin_shuffle(b0, b4, low4), r[1] = __builtin_shuffle(b1, b5, low4);                \
-      r[2] = __builtin_shuffle(b2, b6, low4), r[3] = __builtin_shuffle(b3, b7, low4);                \
-      r[4] = __builtin_shuffle(b0, b4, high4), r[5] = __builtin_shuffle(b1, b5, high4);              \
-      r[6] = __builtin_shuffle(b2, b6, high4), r[7] = __builtin_shuffle(b3, b7, high4);              \
+#  define QUIVER_TRANSPOSE8(r)                                                                   \
+    {                                                                                            \
+      const Index8 low = {0, 8, 2, 10, 4, 12, 6, 14}, high = {1, 9, 3, 11, 5, 13, 7, 15};        \
+      const Index8 low2 = {0, 1, 8, 9, 4, 5, 12, 13}, high2 = {2, 3, 10, 11, 6, 7, 14, 15};      \
+      const Index8 low4 = {0, 1, 2, 3, 8, 9, 10, 11}, high4 = {4, 5, 6, 7, 12, 13, 14, 15};      \
+      Native8 a0 = __builtin_shuffle(r[0], r[1], low), a1 = __builtin_shuffle(r[0], r[1], high); \
+      Native8 a2 = __builtin_shuffle(r[2], r[3], low), a3 = __builtin_shuffle(r[2], r[3], high); \
+      Native8 a4 = __builtin_shuffle(r[4], r[5], low), a5 = __builtin_shuffle(r[4], r[5], high); \
+      Native8 a6 = __builtin_shuffle(r[6], r[7], low), a7 = __builtin_shuffle(r[6], r[7], high); \
+      Native8 b0 = __builtin_shuffle(a0, a2, low2), b1 = __builtin_shuffle(a1, a3, low2);        \
+      Native8 b2 = __builtin_shuffle(a0, a2, high2), b3 = __builtin_shuffle(a1, a3, high2);      \
+      Native8 b4 = __builtin_shuffle(a4, a6, low2), b5 = __builtin_shuffle(a5, a7, low2);        \
+      Native8 b6 = __builtin_shuffle(a4, a6, high2), b7 = __builtin_shuffle(a5, a7, high2);      \
+      r[0] = __builtin_shuffle(b0, b4, low4), r[1] = __builtin_shuffle(b1, b5, low4);            \
+      r[2] = __builtin_shuffle(b2, b6, low4), r[3] = __builtin_shuffle(b3, b7, low4);            \
+      r[4] = __builtin_shuffle(b0, b4, high4), r[5] = __builtin_shuffle(b1, b5, high4);          \
+      r[6] = __builtin_shuffle(b2, b6, high4), r[7] = __builtin_shuffle(b3, b7, high4);          \
     }
 
 template <int Size>

@@ -45,7 +45,8 @@ std::vector<std::vector<const Edge*>> Problem::collectEdges(const ProblemScope& 
     if (scope.level >= 0 && edge.level() != scope.level) return;
     if (!free.empty()) {
       const auto ids = edge.vertexIds();
-      if (std::none_of(ids.begin(), ids.end(), [&](std::int64_t id) { return std::binary_search(free.begin(), free.end(), id); })) {
+      if (std::none_of(ids.begin(), ids.end(),
+                       [&](std::int64_t id) { return std::binary_search(free.begin(), free.end(), id); })) {
         return;
       }
     }
@@ -75,7 +76,8 @@ void Problem::collectVertices(const ProblemScope& scope, const std::vector<std::
     const Vertex& vertex = *vertices_[slot];
     const VertexType& type = graph_->typeOf(vertex);
     if (!vertex.hasEstimate()) {
-      throw GraphError(fmt::format("vertex {} ({}) has no estimate: set one, or run an initial guess first", vertex.id(), type.tag()));
+      throw GraphError(fmt::format("vertex {} ({}) has no estimate: set one, or run an initial guess first",
+                                   vertex.id(), type.tag()));
     }
     layout_.append(type.valueCount(vertex));
     const bool chosen = free.empty() || std::binary_search(free.begin(), free.end(), vertex.id());
@@ -88,7 +90,8 @@ void Problem::collectVertices(const ProblemScope& scope, const std::vector<std::
     std::sort(known.begin(), known.end());
     std::as_const(*graph_).forEachVertex([&](const Vertex& vertex) {
       const bool chosen = free.empty() || std::binary_search(free.begin(), free.end(), vertex.id());
-      if (chosen && !vertex.fixed() && !std::binary_search(known.begin(), known.end(), &vertex)) isolated_.push_back(vertex.id());
+      if (chosen && !vertex.fixed() && !std::binary_search(known.begin(), known.end(), &vertex))
+        isolated_.push_back(vertex.id());
     });
     std::sort(isolated_.begin(), isolated_.end());
   }
@@ -184,7 +187,8 @@ void Problem::retract(std::span<const double> delta) {
     const int end = std::min(count, static_cast<int>(p + 1) * piece);
     for (int variable = static_cast<int>(p) * piece; variable < end; ++variable) {
       const int slot = slotOfVariable(variable);
-      vertexType(slot).retract(state_.record(slot), delta.data() + offset(variable), trial_.record(slot), dimension(variable));
+      vertexType(slot).retract(state_.record(slot), delta.data() + offset(variable), trial_.record(slot),
+                               dimension(variable));
     }
   });
 }

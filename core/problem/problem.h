@@ -21,15 +21,17 @@ struct ProblemScope {
   int threads = 1;
 };
 
-/// What is solved: slots, free vertices, edges by type, two buffers of estimates. Compiled from a graph, which must outlive it and must
-/// not lose elements meanwhile.
+/// What is solved: slots, free vertices, edges by type, two buffers of estimates. Compiled from a graph, which must
+/// outlive it and must not lose elements meanwhile.
 ///
-/// Everything is in a canonical order: types by tag, vertices of a type by id, edges of a type by their ids and then by content; so
-/// the order in which a graph was built or a file was written does not reach the numbers. A slot is a vertex that some active edge
-/// touches. A variable is a slot that may move; variables are numbered in the order of slots.
+/// Everything is in a canonical order: types by tag, vertices of a type by id, edges of a type by their ids and then by
+/// content; so the order in which a graph was built or a file was written does not reach the numbers. A slot is a
+/// vertex that some active edge touches. A variable is a slot that may move; variables are numbered in the order of
+/// slots.
 class Problem {
  public:
-  /// O(vertices + edges) when the graph is in canonical order already, else with a sort. Throws GraphError if a vertex has no estimate.
+  /// O(vertices + edges) when the graph is in canonical order already, else with a sort. Throws GraphError if a vertex
+  /// has no estimate.
   Problem(Graph& graph, const ProblemScope& scope);
 
   const Graph& graph() const { return *graph_; }

@@ -16,7 +16,10 @@ inline double differenceScale(const Estimate& x, int direction) {
     // Translation comes first in every tangent; it moves in metres, rotation and scale in radians and logarithms.
     if (direction >= x.translation().size()) return 1.0;
     return std::max(1.0, x.translation().cwiseAbs().maxCoeff());
-  } else if constexpr (requires { x.size(); x[0]; }) {
+  } else if constexpr (requires {
+                         x.size();
+                         x[0];
+                       }) {
     return direction < x.size() ? std::max(1.0, std::abs(x[direction])) : 1.0;
   } else {
     return 1.0;
@@ -28,8 +31,8 @@ inline constexpr double differenceStep = 6.055454452393343e-06;  // cube root of
 /// Central differences over the tangent of role I, the others held.
 template <typename E, int I, typename Loop = EdgeLoop<E>>
 inline void differentiate(const E& edge, const typename Loop::Functions::template MeasurementOf<double>& m,
-                          const typename Loop::template ParameterValues<double>& p, typename Loop::template Estimates<double>& x,
-                          typename Loop::template Blocks<double>& J) {
+                          const typename Loop::template ParameterValues<double>& p,
+                          typename Loop::template Estimates<double>& x, typename Loop::template Blocks<double>& J) {
   using Vertex = std::tuple_element_t<static_cast<std::size_t>(I), typename E::VertexTypes>;
   const auto original = std::get<I>(x);
   for (int c = 0; c < Vertex::dimension; ++c) {
@@ -61,9 +64,10 @@ inline typename EdgeLoop<E>::template Estimates<double> loadScalarEstimates(cons
   using Loop = EdgeLoop<E>;
   return [&]<int... I>(std::integer_sequence<int, I...>) {
     return typename Loop::template Estimates<double>(
-        Packing<typename std::tuple_element_t<static_cast<std::size_t>(I), typename E::VertexTypes>::Estimate>::template load<double>(
-            view.state + view.records[I * view.edges + id])...);
-  }(std::make_integer_sequence<int, Loop::arity>());
+        Packing<typename std::tuple_element_t<static_cast<std::size_t>(I), typename E::VertexTypes>::Estimate>::
+            template load<double>(view.state + view.records[I * view.edges + id])...);
+  }
+  (std::make_integer_sequence<int, Loop::arity>());
 }
 
 /// One edge at a time, in double: for types whose functions take doubles alone, are members, or may branch.
@@ -98,14 +102,15 @@ inline void scalarLoop(const BatchView& view, const std::int32_t* edges, int cou
         if constexpr (form == Jacobians::analytic) {
           Loop::template callJacobian<double>(edge, m, p, x, J);
         } else {
-          [&]<int... I>(std::integer_sequence<int, I...>) {
-            (differentiate<E, I>(edge, m, p, x, J), ...);
-          }(std::make_integer_sequence<int, Loop::arity>());
+          [&]<int... I>(std::integer_sequence<int, I...>) { (differentiate<E, I>(edge, m, p, x, J), ...); }
+          (std::make_integer_sequence<int, Loop::arity>());
         }
       }
       [&]<int... I>(std::integer_sequence<int, I...>) {
-        (storeScalarBlock<rows, Loop::columns[I]>(U, view.diagonal, std::get<I>(J), panel.jacobian[I], group, lane), ...);
-      }(std::make_integer_sequence<int, Loop::arity>());
+        (storeScalarBlock<rows, Loop::columns[I]>(U, view.diagonal, std::get<I>(J), panel.jacobian[I], group, lane),
+         ...);
+      }
+      (std::make_integer_sequence<int, Loop::arity>());
     } else {
       error = Loop::template callError<double>(edge, m, p, x);
     }

@@ -69,8 +69,8 @@ bool squareRoot(std::span<const double> information, int dimension, double* out)
   return false;
 }
 
-void applyKernels(const Panel& panel, std::span<const RobustKernel> kernels, std::span<const std::int32_t> edges, int rows,
-                  std::span<const int> columns, bool weigh) {
+void applyKernels(const Panel& panel, std::span<const RobustKernel> kernels, std::span<const std::int32_t> edges,
+                  int rows, std::span<const int> columns, bool weigh) {
   const std::size_t count = edges.size();
   if (kernels.empty()) {
     std::copy(panel.squaredError, panel.squaredError + count, panel.cost);
@@ -92,7 +92,8 @@ void applyKernels(const Panel& panel, std::span<const RobustKernel> kernels, std
   const auto scale = [&](double* values, int entries) {
     for (std::size_t g = 0; g < groups; ++g) {
       for (int k = 0; k < entries; ++k, values += Panel::lanes) {
-        for (int lane = 0; lane < Panel::lanes; ++lane) values[lane] *= roots[g * Panel::lanes + static_cast<std::size_t>(lane)];
+        for (int lane = 0; lane < Panel::lanes; ++lane)
+          values[lane] *= roots[g * Panel::lanes + static_cast<std::size_t>(lane)];
       }
     }
   };

@@ -7,8 +7,8 @@
 
 namespace quiver {
 
-/// Where the values of each slot's estimate lie in a state: records of a few doubles, each type's records of the same stride. Strides are
-/// 1, 2, 4 or a multiple of 8 doubles, so that a record does not straddle cache lines needlessly.
+/// Where the values of each slot's estimate lie in a state: records of a few doubles, each type's records of the same
+/// stride. Strides are 1, 2, 4 or a multiple of 8 doubles, so that a record does not straddle cache lines needlessly.
 class StateLayout {
  public:
   /// Appends the record of the next slot.

@@ -8,14 +8,16 @@
 
 namespace quiver {
 
-/// One number of a file's line: its name, its unit ("m", "rad", "" for none) and, where the name does not say it, its meaning.
+/// One number of a file's line: its name, its unit ("m", "rad", "" for none) and, where the name does not say it, its
+/// meaning.
 struct Field {
   std::string name;
   std::string unit;
   std::string documentation;
 };
 
-/// The numbers of one element's line, read from left to right. Every function throws ParseError with the place of the trouble.
+/// The numbers of one element's line, read from left to right. Every function throws ParseError with the place of the
+/// trouble.
 class FieldReader {
  public:
   virtual ~FieldReader() = default;

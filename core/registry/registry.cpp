@@ -23,10 +23,13 @@ Value findOr(const StringMap<Value>& map, std::string_view key, Value otherwise)
   return it == map.end() ? otherwise : it->second;
 }
 
+bool sameLetter(char a, char b) {
+  return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+}
+
 bool equalIgnoringCase(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
-    return std::tolower(x) == std::tolower(y);
-  });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
 template <typename Entry>
@@ -51,7 +54,8 @@ struct Registry::Lookup {
   StringMap<int> dataTags;
 
   template <typename Type>
-  static const Type& insert(Family<Type>& family, std::vector<std::unique_ptr<Type>>& types, std::unique_ptr<Type> type) {
+  static const Type& insert(Family<Type>& family, std::vector<std::unique_ptr<Type>>& types,
+                            std::unique_ptr<Type> type) {
     const auto [known, isNew] = family.byName.emplace(std::string(type->cppName()), type.get());
     if (!isNew) {
       throw GraphError(fmt::format("type {} is registered as '{}' already, not again as '{}'", type->cppName(),
@@ -91,13 +95,14 @@ const EdgeType& Registry::add(std::unique_ptr<EdgeType> type) {
   claimTag(type->tag());
   for (int role = 0; role < type->arity(); ++role) {
     if (!findVertexTypeByName(type->vertexTypeName(role))) {
-      throw GraphError(fmt::format("edge '{}' joins {}, which is not registered; register the vertex type first", type->tag(),
-                                   type->vertexTypeName(role)));
+      throw GraphError(fmt::format("edge '{}' joins {}, which is not registered; register the vertex type first",
+                                   type->tag(), type->vertexTypeName(role)));
     }
   }
   for (const std::string_view name : type->parameterTypeNames()) {
     if (!findParameterTypeByName(name)) {
-      throw GraphError(fmt::format("edge '{}' uses {}, which is not registered; register the parameter type first", type->tag(), name));
+      throw GraphError(fmt::format("edge '{}' uses {}, which is not registered; register the parameter type first",
+                                   type->tag(), name));
     }
   }
   type->index_ = static_cast<int>(edgeTypes_.size());
@@ -155,11 +160,14 @@ void Registry::addInitializer(std::string name, std::string documentation, Initi
 }
 
 void Registry::addRobustKernel(const RobustKernelType& kernel) {
-  if (findRobustKernel(kernel.name)) throw GraphError(fmt::format("robust kernel '{}' is registered already", kernel.name));
+  if (findRobustKernel(kernel.name))
+    throw GraphError(fmt::format("robust kernel '{}' is registered already", kernel.name));
   robustKernels_.push_back(&kernel);
 }
 
-const LinearSystemFactory* Registry::findLinearSystem(std::string_view name) const { return findNamed(linearSystems_, name); }
+const LinearSystemFactory* Registry::findLinearSystem(std::string_view name) const {
+  return findNamed(linearSystems_, name);
+}
 const Initializer* Registry::findInitializer(std::string_view name) const { return findNamed(initializers_, name); }
 const RobustKernelType* Registry::findRobustKernel(std::string_view name) const {
   for (const RobustKernelType* kernel : robustKernels_) {
@@ -189,7 +197,8 @@ std::string nearestWord(std::string_view word, const std::vector<std::string>& c
       std::size_t diagonal = row[0];
       row[0] = i;
       for (std::size_t j = 1; j <= candidate.size(); ++j) {
-        const std::size_t substitute = diagonal + (std::toupper(static_cast<unsigned char>(word[i - 1])) != candidate[j - 1]);
+        const std::size_t substitute =
+            diagonal + !sameLetter(word[i - 1], candidate[j - 1]);
         diagonal = row[j];
         row[j] = std::min({row[j] + 1, row[j - 1] + 1, substitute});
       }

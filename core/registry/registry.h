@@ -17,7 +17,8 @@ struct Options;
 
 /// Makes a linear system for one solve.
 using LinearSystemFactory = std::function<std::unique_ptr<LinearSystem>(const Options&)>;
-/// Sets estimates of a graph's vertices; returns a sentence for the summary. Throws GraphError if the graph does not allow it.
+/// Sets estimates of a graph's vertices; returns a sentence for the summary. Throws GraphError if the graph does not
+/// allow it.
 using Initializer = std::function<std::string(Graph&, const Options&)>;
 
 /// A named entry that is not an element type.
@@ -28,8 +29,8 @@ struct NamedEntry {
   Value value;
 };
 
-/// The types, solvers, initialisers and kernels a program knows: an ordinary object, filled explicitly, shared by graphs and plugins.
-/// Filling is not thread safe; looking up is.
+/// The types, solvers, initialisers and kernels a program knows: an ordinary object, filled explicitly, shared by
+/// graphs and plugins. Filling is not thread safe; looking up is.
 class Registry {
  public:
   Registry();
@@ -72,7 +73,8 @@ class Registry {
   /// Linear systems by name ("block", "cholmod", …); a later entry of the same name is refused.
   void addLinearSystem(std::string name, std::string documentation, LinearSystemFactory factory);
   void addInitializer(std::string name, std::string documentation, Initializer initializer);
-  /// The kernel type is copied nowhere: it must live as long as the registry (a constant of a library that the registry keeps loaded).
+  /// The kernel type is copied nowhere: it must live as long as the registry (a constant of a library that the registry
+  /// keeps loaded).
   void addRobustKernel(const RobustKernelType& kernel);
 
   const std::vector<NamedEntry<LinearSystemFactory>>& linearSystems() const { return linearSystems_; }

@@ -12,8 +12,8 @@
 
 namespace quiver {
 
-/// How a value stands in a file, by default: which numbers in which order. Specialise it for types of your own, or give the
-/// vertex or edge `read` and `write`.
+/// How a value stands in a file, by default: which numbers in which order. Specialise it for types of your own, or give
+/// the vertex or edge `read` and `write`.
 template <typename M>
 struct ValueFields;
 
@@ -33,7 +33,8 @@ struct ValueFields<Eigen::Matrix<double, R, C, Options>> {
     static constexpr std::array<const char*, 3> names{"x", "y", "z"};
     std::vector<Field> result;
     for (int i = 0; i < R * C; ++i) {
-      result.push_back({R * C <= 3 ? names[static_cast<std::size_t>(i)] : "value" + std::to_string(i), R * C <= 3 ? "m" : "", ""});
+      result.push_back(
+          {R * C <= 3 ? names[static_cast<std::size_t>(i)] : "value" + std::to_string(i), R * C <= 3 ? "m" : "", ""});
     }
     return result;
   }
@@ -69,8 +70,8 @@ struct ValueFields<SE2<double>> {
 template <>
 struct ValueFields<SE3<double>> {
   static std::vector<Field> fields() {
-    return {{"x", "m", ""}, {"y", "m", ""},  {"z", "m", ""}, {"qx", "", "unit quaternion, Hamilton"}, {"qy", "", ""},
-            {"qz", "", ""}, {"qw", "", ""}};
+    return {{"x", "m", ""}, {"y", "m", ""}, {"z", "m", ""}, {"qx", "", "unit quaternion, Hamilton"},
+            {"qy", "", ""}, {"qz", "", ""}, {"qw", "", ""}};
   }
   static void read(FieldReader& reader, SE3<double>& value) {
     std::array<double, 7> v;

@@ -14,7 +14,8 @@ class AlignedBuffer {
   AlignedBuffer() = default;
   explicit AlignedBuffer(std::int64_t size, bool zero = true) : size_(size) {
     if (size == 0) return;
-    data_.reset(static_cast<double*>(::operator new(static_cast<std::size_t>(size) * sizeof(double), std::align_val_t{64})));
+    data_.reset(
+        static_cast<double*>(::operator new (static_cast<std::size_t>(size) * sizeof(double), std::align_val_t{64})));
     if (zero) {
       for (std::int64_t i = 0; i < size; ++i) data_.get()[i] = 0.0;
     }
@@ -39,7 +40,7 @@ class AlignedBuffer {
 
  private:
   struct Free {
-    void operator()(double* pointer) const { ::operator delete(pointer, std::align_val_t{64}); }
+    void operator()(double* pointer) const { ::operator delete (pointer, std::align_val_t{64}); }
   };
   std::unique_ptr<double, Free> data_;
   std::int64_t size_ = 0;

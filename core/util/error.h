@@ -12,8 +12,8 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A file that cannot be read as what it should be. `what()` is "FILE:LINE:COLUMN: message"; line and column count from 1 and are
-/// left out where they are 0.
+/// A file that cannot be read as what it should be. `what()` is "FILE:LINE:COLUMN: message"; line and column count from
+/// 1 and are left out where they are 0.
 class ParseError : public Error {
  public:
   ParseError(std::string file, std::int64_t line, std::int64_t column, const std::string& message);

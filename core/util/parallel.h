@@ -11,10 +11,10 @@ int hardwareThreads();
 
 /// Calls task(0) … task(count − 1), each exactly once, on at most `threads` threads, and returns when all are done.
 ///
-/// Which thread runs which task is not fixed, so tasks must write to memory of their own; what a loop computes must depend on `count`
-/// and the task's index alone, never on `threads`: then results have the same bits for any number of threads. With threads ≤ 1 or
-/// count ≤ 1 it is a plain loop. The first exception a task throws is rethrown after all tasks have ended (the remaining ones may be
-/// skipped). Calls do not nest: inside a task it is a plain loop.
+/// Which thread runs which task is not fixed, so tasks must write to memory of their own; what a loop computes must
+/// depend on `count` and the task's index alone, never on `threads`: then results have the same bits for any number of
+/// threads. With threads ≤ 1 or count ≤ 1 it is a plain loop. The first exception a task throws is rethrown after all
+/// tasks have ended (the remaining ones may be skipped). Calls do not nest: inside a task it is a plain loop.
 void parallelFor(std::int64_t count, int threads, FunctionRef<void(std::int64_t)> task);
 
 }  // namespace quiver

@@ -6,8 +6,8 @@
 
 namespace quiver {
 
-/// Why long work should end early: a deadline, a stop token, or both. Cheap enough to be asked every few microseconds of work; asking is
-/// safe from any thread.
+/// Why long work should end early: a deadline, a stop token, or both. Cheap enough to be asked every few microseconds
+/// of work; asking is safe from any thread.
 class StopCondition {
  public:
   using Clock = std::chrono::steady_clock;
@@ -16,7 +16,8 @@ class StopCondition {
   StopCondition() = default;
   /// `seconds` from now; infinity means no deadline.
   explicit StopCondition(double seconds, std::stop_token token = {}) : token_(std::move(token)) {
-    if (seconds < 1e9) deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    if (seconds < 1e9)
+      deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   }
 
   Reason reason() const {

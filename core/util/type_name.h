@@ -4,8 +4,8 @@
 
 namespace quiver {
 
-/// The qualified name of a C++ type, as the compiler spells it: the identity by which a registry finds a type's descriptor. Unlike
-/// `typeid` and addresses of static objects it is the same in every library of a process.
+/// The qualified name of a C++ type, as the compiler spells it: the identity by which a registry finds a type's
+/// descriptor. Unlike `typeid` and addresses of static objects it is the same in every library of a process.
 template <typename T>
 constexpr std::string_view typeName() {
   constexpr std::string_view signature = __PRETTY_FUNCTION__;

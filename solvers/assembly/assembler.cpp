@@ -74,7 +74,8 @@ Assembler::Assembler(const Problem& problem, const BlockMatrix& matrix, std::vec
   }
 }
 
-CostTotals Assembler::assemble(const State& state, BlockMatrix& matrix, std::span<double> gradient, PhaseSeconds& seconds) {
+CostTotals Assembler::assemble(const State& state, BlockMatrix& matrix, std::span<double> gradient,
+                               PhaseSeconds& seconds) {
   Stopwatch watch;
   const auto tasks = static_cast<std::int64_t>(workspaces_.size());
   const auto count = static_cast<std::int64_t>(pieces_.size());
@@ -143,7 +144,8 @@ void Assembler::addTotals(const Panel& panel, int first, int count, Piece& piece
   }
 }
 
-void Assembler::dropHeldColumns(const Piece& piece, int first, int count, const Panel& panel, const EdgeShape& shape) const {
+void Assembler::dropHeldColumns(const Piece& piece, int first, int count, const Panel& panel,
+                                const EdgeShape& shape) const {
   for (int i = 0; i < count; ++i) {
     const auto slots = problem_->batch(piece.batch).slots(first + i);
     for (std::size_t role = 0; role < slots.size(); ++role) {
@@ -161,8 +163,8 @@ void Assembler::dropHeldColumns(const Piece& piece, int first, int count, const 
   }
 }
 
-void Assembler::writeRecords(const Piece& piece, int first, int count, const Panel& panel, const EdgeShape& shape, BlockMatrix& matrix,
-                             Workspace& work) {
+void Assembler::writeRecords(const Piece& piece, int first, int count, const Panel& panel, const EdgeShape& shape,
+                             BlockMatrix& matrix, Workspace& work) {
   const BatchKernels& kernels = kernels_[static_cast<std::size_t>(piece.batch)];
   const int roles = static_cast<int>(shape.columns.size());
   for (int group = 0; group * lanes < count; ++group) {
@@ -175,16 +177,17 @@ void Assembler::writeRecords(const Piece& piece, int first, int count, const Pan
         const std::int64_t record = i < edges ? plan_.record(piece.batch, first + group * lanes + i, role) : -1;
         out[i] = record < 0 ? nowhere : records_.data() + record;
       }
-      const auto square = kernels.uniform ? kernels.squares[static_cast<std::size_t>(role)] : LaneProducts::square(set_, 0, 0);
-      square(panel.jacobian[role] + group * shape.rows * columns * lanes, panel.residual + group * shape.rows * lanes, shape.rows,
-             columns, out);
+      const auto square =
+          kernels.uniform ? kernels.squares[static_cast<std::size_t>(role)] : LaneProducts::square(set_, 0, 0);
+      square(panel.jacobian[role] + group * shape.rows * columns * lanes, panel.residual + group * shape.rows * lanes,
+             shape.rows, columns, out);
     }
     if (roles > 1) writePairs(piece, first + group * lanes, edges, group, panel, shape, matrix, work);
   }
 }
 
-void Assembler::writePairs(const Piece& piece, int first, int count, int group, const Panel& panel, const EdgeShape& shape,
-                           BlockMatrix& matrix, Workspace& work) {
+void Assembler::writePairs(const Piece& piece, int first, int count, int group, const Panel& panel,
+                           const EdgeShape& shape, BlockMatrix& matrix, Workspace& work) {
   const BatchKernels& kernels = kernels_[static_cast<std::size_t>(piece.batch)];
   const int roles = static_cast<int>(shape.columns.size());
   double* out[lanes];
@@ -194,9 +197,10 @@ void Assembler::writePairs(const Piece& piece, int first, int count, int group, 
     for (int a = 0; a < b; ++a, ++pair) {
       const int columnsA = shape.columns[static_cast<std::size_t>(a)];
       const int columnsB = shape.columns[static_cast<std::size_t>(b)];
-      const auto cross = kernels.uniform ? kernels.crosses[static_cast<std::size_t>(pair)] : LaneProducts::cross(set_, 0, 0, 0);
-      cross(panel.jacobian[a] + group * shape.rows * columnsA * lanes, panel.jacobian[b] + group * shape.rows * columnsB * lanes,
-            shape.rows, columnsA, columnsB, out);
+      const auto cross =
+          kernels.uniform ? kernels.crosses[static_cast<std::size_t>(pair)] : LaneProducts::cross(set_, 0, 0, 0);
+      cross(panel.jacobian[a] + group * shape.rows * columnsA * lanes,
+            panel.jacobian[b] + group * shape.rows * columnsB * lanes, shape.rows, columnsA, columnsB, out);
       for (int i = 0; i < count; ++i) {
         const AssemblyPlan::Destination& destination = plan_.pairs(piece.batch, first + i)[pair];
         if (destination.offset < 0) continue;

@@ -12,16 +12,18 @@
 
 namespace quiver {
 
-/// Computes H = Σ JᵀJ and g = Σ Jᵀr from the panels of a problem's edge batches, in parallel and with the same bits for any number of
-/// threads: first every edge writes its records and its own blocks, then every vertex adds its records in a fixed order.
+/// Computes H = Σ JᵀJ and g = Σ Jᵀr from the panels of a problem's edge batches, in parallel and with the same bits for
+/// any number of threads: first every edge writes its records and its own blocks, then every vertex adds its records in
+/// a fixed order.
 class Assembler {
  public:
   Assembler() = default;
-  /// `position[variable]` is the block of `matrix` that belongs to the variable. The problem must outlive the assembler.
+  /// `position[variable]` is the block of `matrix` that belongs to the variable. The problem must outlive the
+  /// assembler.
   Assembler(const Problem& problem, const BlockMatrix& matrix, std::vector<int> position, int threads);
 
-  /// Overwrites matrix and gradient (in the order of variables). Allocates nothing. Seconds of the two passes are added to `linearize`
-  /// and `assemble`.
+  /// Overwrites matrix and gradient (in the order of variables). Allocates nothing. Seconds of the two passes are added
+  /// to `linearize` and `assemble`.
   CostTotals assemble(const State& state, BlockMatrix& matrix, std::span<double> gradient, PhaseSeconds& seconds);
 
   const std::vector<int>& position() const { return position_; }
@@ -48,10 +50,10 @@ class Assembler {
 
   void linearizePiece(const State& state, BlockMatrix& matrix, Piece& piece, Workspace& work);
   void addTotals(const Panel& panel, int first, int count, Piece& piece) const;
-  void writeRecords(const Piece& piece, int first, int count, const Panel& panel, const EdgeShape& shape, BlockMatrix& matrix,
-                    Workspace& work);
-  void writePairs(const Piece& piece, int first, int count, int group, const Panel& panel, const EdgeShape& shape, BlockMatrix& matrix,
-                  Workspace& work);
+  void writeRecords(const Piece& piece, int first, int count, const Panel& panel, const EdgeShape& shape,
+                    BlockMatrix& matrix, Workspace& work);
+  void writePairs(const Piece& piece, int first, int count, int group, const Panel& panel, const EdgeShape& shape,
+                  BlockMatrix& matrix, Workspace& work);
   void dropHeldColumns(const Piece& piece, int first, int count, const Panel& panel, const EdgeShape& shape) const;
   void gatherVariable(int variable, BlockMatrix& matrix, std::span<double> gradient) const;
 

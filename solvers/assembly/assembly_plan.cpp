@@ -60,7 +60,8 @@ void AssemblyPlan::placeRecords(const Problem& problem) {
     for (int i = 0; i < batch.size(); ++i) {
       for (const std::int32_t slot : batch.slots(i)) {
         const std::int64_t record = records_[at++];
-        if (record >= 0) gather_[static_cast<std::size_t>(next[static_cast<std::size_t>(problem.variableOfSlot(slot))]++)] = record;
+        if (record >= 0)
+          gather_[static_cast<std::size_t>(next[static_cast<std::size_t>(problem.variableOfSlot(slot))]++)] = record;
       }
     }
   }
@@ -73,7 +74,8 @@ void AssemblyPlan::placePairs(const Problem& problem, const BlockMatrix& matrix,
     Roles& roles = batches_[static_cast<std::size_t>(b)];
     roles.firstPair = static_cast<std::int64_t>(destinations_.size());
     for (int i = 0; i < batch.size(); ++i) {
-      if (roles.perEdge < 0) roles.pairBegin.push_back(static_cast<std::int64_t>(destinations_.size()) - roles.firstPair);
+      if (roles.perEdge < 0)
+        roles.pairBegin.push_back(static_cast<std::int64_t>(destinations_.size()) - roles.firstPair);
       const auto slots = batch.slots(i);
       for (std::size_t second = 1; second < slots.size(); ++second) {
         const int v = problem.variableOfSlot(slots[second]);
@@ -106,8 +108,10 @@ void AssemblyPlan::shareBlocks(const BlockMatrix& matrix, const std::vector<std:
   for (std::size_t entry = 0; entry < writers.size(); ++entry) {
     if (writers[entry] < 2) continue;
     const std::int64_t begin = static_cast<std::int64_t>(sharedContributions_.size());
-    const std::int64_t numbers = matrix.offset(static_cast<std::int64_t>(entry) + 1) - matrix.offset(static_cast<std::int64_t>(entry));
-    sharedBlocks_.push_back({matrix.offset(static_cast<std::int64_t>(entry)), static_cast<int>(numbers), begin, begin + writers[entry]});
+    const std::int64_t numbers =
+        matrix.offset(static_cast<std::int64_t>(entry) + 1) - matrix.offset(static_cast<std::int64_t>(entry));
+    sharedBlocks_.push_back(
+        {matrix.offset(static_cast<std::int64_t>(entry)), static_cast<int>(numbers), begin, begin + writers[entry]});
     sharedContributions_.resize(sharedContributions_.size() + static_cast<std::size_t>(writers[entry]));
     next[entry] = begin;
   }

@@ -10,9 +10,9 @@ namespace quiver {
 
 /// Where the numbers of every edge's linearisation go: structure of the assembly of H and g, made once.
 ///
-/// An edge contributes one record a free role (the upper triangle of JᵀJ and Jᵀr of that role) and one block a pair of free roles (AᵀB).
-/// Records are added vertex by vertex in the order of batches, edges and roles. A block that only one edge writes goes straight to H;
-/// blocks that several edges share are added in the same order.
+/// An edge contributes one record a free role (the upper triangle of JᵀJ and Jᵀr of that role) and one block a pair of
+/// free roles (AᵀB). Records are added vertex by vertex in the order of batches, edges and roles. A block that only one
+/// edge writes goes straight to H; blocks that several edges share are added in the same order.
 class AssemblyPlan {
  public:
   AssemblyPlan() = default;
@@ -22,7 +22,8 @@ class AssemblyPlan {
   /// Pairs of variables that edges join, for the pattern of H.
   static std::vector<std::pair<int, int>> variablePairs(const Problem& problem);
 
-  /// The record of role `role` of edge i of batch b starts at number recordBegin(b, i, role) of the record memory; −1 for a fixed vertex.
+  /// The record of role `role` of edge i of batch b starts at number recordBegin(b, i, role) of the record memory; −1
+  /// for a fixed vertex.
   std::int64_t record(int batch, int edge, int role) const {
     const Roles& roles = batches_[static_cast<std::size_t>(batch)];
     return records_[static_cast<std::size_t>(roles.firstRecord + roles.recordsBefore(edge) + role)];
@@ -68,7 +69,8 @@ class AssemblyPlan {
       return perEdge >= 0 ? std::int64_t{edge} * perEdge : recordBegin[static_cast<std::size_t>(edge)];
     }
     std::int64_t pairsBefore(int edge) const {
-      return perEdge >= 0 ? std::int64_t{edge} * (perEdge * (perEdge - 1) / 2) : pairBegin[static_cast<std::size_t>(edge)];
+      return perEdge >= 0 ? std::int64_t{edge} * (perEdge * (perEdge - 1) / 2)
+                          : pairBegin[static_cast<std::size_t>(edge)];
     }
   };
   void placeRecords(const Problem& problem);

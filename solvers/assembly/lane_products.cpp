@@ -94,23 +94,25 @@ inline void crossAny(const double* A, const double* B, int rows, int columnsA, i
 }
 
 /// The kernels of one instruction set. ATTRIBUTE makes each a batch loop of the set.
-#define QUIVER_LANE_PRODUCTS(NAME, ISA, ATTRIBUTE)                                                                              \
-  struct NAME {                                                                                                                 \
-    using L = Lanes<ISA>;                                                                                                       \
-    template <int N, int D>                                                                                                     \
-    ATTRIBUTE static void square(const double* J, const double* residual, int, int, double* const* out) {                       \
-      squareFixed<L, N, D>(J, residual, out);                                                                                   \
-    }                                                                                                                           \
-    template <int N, int Da, int Db>                                                                                            \
-    ATTRIBUTE static void cross(const double* A, const double* B, int, int, int, double* const* out) {                          \
-      crossFixed<L, N, Da, Db>(A, B, out);                                                                                      \
-    }                                                                                                                           \
-    ATTRIBUTE static void squareLoop(const double* J, const double* residual, int rows, int columns, double* const* out) {      \
-      squareAny<L>(J, residual, rows, columns, out);                                                                            \
-    }                                                                                                                           \
-    ATTRIBUTE static void crossLoop(const double* A, const double* B, int rows, int columnsA, int columnsB, double* const* out) { \
-      crossAny<L>(A, B, rows, columnsA, columnsB, out);                                                                         \
-    }                                                                                                                           \
+#define QUIVER_LANE_PRODUCTS(NAME, ISA, ATTRIBUTE)                                                          \
+  struct NAME {                                                                                             \
+    using L = Lanes<ISA>;                                                                                   \
+    template <int N, int D>                                                                                 \
+    ATTRIBUTE static void square(const double* J, const double* residual, int, int, double* const* out) {   \
+      squareFixed<L, N, D>(J, residual, out);                                                               \
+    }                                                                                                       \
+    template <int N, int Da, int Db>                                                                        \
+    ATTRIBUTE static void cross(const double* A, const double* B, int, int, int, double* const* out) {      \
+      crossFixed<L, N, Da, Db>(A, B, out);                                                                  \
+    }                                                                                                       \
+    ATTRIBUTE static void squareLoop(const double* J, const double* residual, int rows, int columns,        \
+                                     double* const* out) {                                                  \
+      squareAny<L>(J, residual, rows, columns, out);                                                        \
+    }                                                                                                       \
+    ATTRIBUTE static void crossLoop(const double* A, const double* B, int rows, int columnsA, int columnsB, \
+                                    double* const* out) {                                                   \
+      crossAny<L>(A, B, rows, columnsA, columnsB, out);                                                     \
+    }                                                                                                       \
   };
 QUIVER_LANE_PRODUCTS(Avx512Products, isa::Avx512, QUIVER_BATCH_LOOP_AVX512)
 QUIVER_LANE_PRODUCTS(Avx2Products, isa::Avx2, QUIVER_BATCH_LOOP_AVX2)
@@ -122,17 +124,28 @@ template <typename Set>
 LaneProducts::Square pickSquare(int rows, int columns) {
   const int size = rows * 100 + columns;
   switch (size) {
-    case 102: return Set::template square<1, 2>;
-    case 103: return Set::template square<1, 3>;
-    case 106: return Set::template square<1, 6>;
-    case 202: return Set::template square<2, 2>;
-    case 203: return Set::template square<2, 3>;
-    case 206: return Set::template square<2, 6>;
-    case 209: return Set::template square<2, 9>;
-    case 303: return Set::template square<3, 3>;
-    case 306: return Set::template square<3, 6>;
-    case 606: return Set::template square<6, 6>;
-    default: return Set::squareLoop;
+    case 102:
+      return Set::template square<1, 2>;
+    case 103:
+      return Set::template square<1, 3>;
+    case 106:
+      return Set::template square<1, 6>;
+    case 202:
+      return Set::template square<2, 2>;
+    case 203:
+      return Set::template square<2, 3>;
+    case 206:
+      return Set::template square<2, 6>;
+    case 209:
+      return Set::template square<2, 9>;
+    case 303:
+      return Set::template square<3, 3>;
+    case 306:
+      return Set::template square<3, 6>;
+    case 606:
+      return Set::template square<6, 6>;
+    default:
+      return Set::squareLoop;
   }
 }
 
@@ -140,12 +153,18 @@ template <typename Set>
 LaneProducts::Cross pickCross(int rows, int columnsA, int columnsB) {
   const int size = rows * 10000 + columnsA * 100 + columnsB;
   switch (size) {
-    case 10302: return Set::template cross<1, 3, 2>;
-    case 20302: return Set::template cross<2, 3, 2>;
-    case 30303: return Set::template cross<3, 3, 3>;
-    case 30603: return Set::template cross<3, 6, 3>;
-    case 60606: return Set::template cross<6, 6, 6>;
-    default: return Set::crossLoop;
+    case 10302:
+      return Set::template cross<1, 3, 2>;
+    case 20302:
+      return Set::template cross<2, 3, 2>;
+    case 30303:
+      return Set::template cross<3, 3, 3>;
+    case 30603:
+      return Set::template cross<3, 6, 3>;
+    case 60606:
+      return Set::template cross<6, 6, 6>;
+    default:
+      return Set::crossLoop;
   }
 }
 

@@ -4,8 +4,9 @@
 
 namespace quiver {
 
-/// Products of Jacobian blocks that lie in lanes, for one group of eight edges; `rows` is the error's dimension. Sizes met often are
-/// compiled as constants, others run in loops; either way eight edges at once in the machine's best instruction set.
+/// Products of Jacobian blocks that lie in lanes, for one group of eight edges; `rows` is the error's dimension. Sizes
+/// met often are compiled as constants, others run in loops; either way eight edges at once in the machine's best
+/// instruction set.
 ///
 /// A block is `rows` × `columns`, column-major in lanes (Panel's layout, at the group's first number).
 class LaneProducts {

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <quiver/core/algorithm/options.h>
+#include <quiver/core/graph/graph.h>
+
+namespace quiver {
+
+/// Everything that a compiled problem and its linear system depend on besides numbers: two equal keys mean that what
+/// was compiled for one serves the other. The elements enter by a 128-bit hash of ids, types, levels, fixed directions
+/// and addresses.
+class StructureKey {
+ public:
+  StructureKey() = default;
+  /// O(vertices + edges).
+  StructureKey(const Graph& graph, const Options& options, int threads);
+
+  bool operator==(const StructureKey&) const = default;
+
+ private:
+  const Graph* graph_ = nullptr;
+  std::int64_t vertices_ = 0;
+  std::int64_t edges_ = 0;
+  std::uint64_t hash_[2] = {0, 0};
+  int threads_ = 0;
+  int level_ = 0;
+  GaugePolicy gauge_ = GaugePolicy::automatic;
+  std::string solver_;
+  std::string algorithm_;
+  std::vector<std::int64_t> free_;
+};
+
+}  // namespace quiver
