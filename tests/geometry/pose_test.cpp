@@ -101,7 +101,8 @@ TEST(SE3Test, ApproximateJacobianInverseIsOfSecondOrder) {
   const Vector<double, 6> v = test::randomTangent<test::Motions>(generator, 1.0);
   for (const double scale : {1e-2, 1e-3}) {
     const Vector<double, 6> x = scale * v;
-    const auto error = SE3<double>::rightJacobianInverseApproximation(x) - SE3<double>::rightJacobianInverse(x);
+    const Matrix<double, 6, 6> error =
+        SE3<double>::rightJacobianInverseApproximation(x) - SE3<double>::rightJacobianInverse(x);
     EXPECT_LT(error.norm(), scale * scale);
   }
 }
