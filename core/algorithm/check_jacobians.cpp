@@ -1,0 +1,157 @@
+#include <quiver/core/algorithm/check_jacobians.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <quiver/core/problem/problem.h>
+
+namespace quiver {
+namespace {
+
+/// A copy whose edges have the identity as information and no kernel, so that batches give errors as they are.
+Graph plainCopy(const Graph& graph) {
+  Graph copy(graph);
+  std::vector<double> identity;
+  copy.forEachEdge([&](Edge& edge) {
+    const EdgeType& type = copy.typeOf(edge);
+    const int n = type.errorDimension(edge);
+    identity.assign(static_cast<std::size_t>(n * (n + 1) / 2), 0.0);
+    for (int r = 0, k = 0; r < n; k += n - r, ++r) identity[static_cast<std::size_t>(k)] = 1.0;
+    type.setInformation(edge, identity);
+    edge.setRobustKernel(RobustKernel());
+  });
+  return copy;
+}
+
+/// Differences one edge of a batch.
+class EdgeDifferences {
+ public:
+  EdgeDifferences(const Problem& problem, const EdgeBatch& batch, double step)
+      : problem_(problem), batch_(batch), step_(step), buffer_(batch.largestShape()), state_(problem.state()) {}
+
+  /// Replaces `worst` if an entry of this edge deviates more.
+  void compare(std::int32_t edge, JacobianEntry& worst) {
+    const EdgeShape shape = batch_.shape(edge);
+    const std::span<const std::int32_t> list(&edge, 1);
+    batch_.linearize(state_, list, buffer_.panel());
+    std::vector<std::vector<double>> blocks;
+    for (std::size_t role = 0; role < shape.columns.size(); ++role) {
+      std::vector<double> block(static_cast<std::size_t>(shape.rows * shape.columns[role]));
+      for (std::size_t k = 0; k < block.size(); ++k) block[k] = buffer_.panel().jacobian[role][k * Panel::lanes];
+      blocks.push_back(std::move(block));
+    }
+    for (std::size_t role = 0; role < blocks.size(); ++role) {
+      compareBlock(list, static_cast<int>(role), shape, blocks[role], worst);
+    }
+  }
+
+ private:
+  void compareBlock(std::span<const std::int32_t> edge, int role, const EdgeShape& shape,
+                    const std::vector<double>& block, JacobianEntry& worst) {
+    const int slot = batch_.slots(edge[0])[static_cast<std::size_t>(role)];
+    const int columns = shape.columns[static_cast<std::size_t>(role)];
+    double size = 1.0;
+    for (const double entry : block) size = std::max(size, std::abs(entry));
+    for (int c = 0; c < columns; ++c) {
+      const std::vector<double> wide = difference(edge, slot, shape.rows, columns, c, step_);
+      const std::vector<double> narrow = difference(edge, slot, shape.rows, columns, c, 0.5 * step_);
+      for (int r = 0; r < shape.rows; ++r) {
+        const auto i = static_cast<std::size_t>(r);
+        const double computed = block[static_cast<std::size_t>(c * shape.rows + r)];
+        const double expected = (4.0 * narrow[i] - wide[i]) / 3.0;
+        double deviation = std::max(0.0, std::abs(computed - expected) - rounding_) / size;
+        if (!std::isfinite(deviation)) deviation = std::numeric_limits<double>::infinity();
+        if (!(deviation > worst.deviation) && !worst.vertices.empty()) continue;
+        const auto ids = batch_.edge(edge[0]).vertexIds();
+        worst = {{ids.begin(), ids.end()}, role, r, c, "", computed, expected, deviation};
+        worst.direction = problem_.vertexType(slot).tangentNames(columns)[static_cast<std::size_t>(c)];
+      }
+    }
+  }
+
+  /// (e(x ⊞ h) − e(x ⊟ h)) / 2h along one direction of one vertex; leaves the state as it was.
+  std::vector<double> difference(std::span<const std::int32_t> edge, int slot, int rows, int columns, int direction,
+                                 double h) {
+    const VertexType& type = problem_.vertexType(slot);
+    const double* x = problem_.state().record(slot);
+    std::vector<double> delta(static_cast<std::size_t>(columns), 0.0);
+    const auto error = [&](double step) {
+      delta[static_cast<std::size_t>(direction)] = step;
+      type.retract(x, delta.data(), state_.record(slot), columns);
+      batch_.evaluate(state_, edge, buffer_.panel());
+      std::vector<double> e(static_cast<std::size_t>(rows));
+      for (std::size_t r = 0; r < e.size(); ++r) e[r] = buffer_.panel().residual[r * Panel::lanes];
+      return e;
+    };
+    std::vector<double> forward = error(h);
+    const std::vector<double> backward = error(-h);
+    double size = 0.0;
+    const int count = problem_.layout().valueCount(slot);
+    for (int k = 0; k < count; ++k) size = std::max(size, std::abs(x[k]));
+    for (std::size_t r = 0; r < forward.size(); ++r) {
+      size = std::max(size, std::abs(forward[r]));
+      forward[r] = (forward[r] - backward[r]) / (2.0 * h);
+    }
+    std::copy_n(x, count, state_.record(slot));
+    constexpr double operations = 32.0;  // roundings that may add up in an error
+    rounding_ = operations * std::numeric_limits<double>::epsilon() * size / h;
+    return forward;
+  }
+
+  const Problem& problem_;
+  const EdgeBatch& batch_;
+  double step_;
+  PanelBuffer buffer_;
+  State state_;
+  double rounding_ = 0.0;
+};
+
+}  // namespace
+
+JacobianReport checkJacobians(const Graph& graph, const JacobianCheckOptions& options) {
+  Graph copy = plainCopy(graph);
+  ProblemScope scope;
+  scope.level = -1;
+  const Problem problem(copy, scope);
+  JacobianReport report;
+  for (int b = 0; b < problem.batches(); ++b) {
+    const EdgeBatch& batch = problem.batch(b);
+    const std::int64_t count = batch.size();
+    const std::int64_t compared =
+        options.edgesPerType > 0 ? std::min<std::int64_t>(count, options.edgesPerType) : count;
+    JacobianComparison comparison{problem.edgeType(b).tag(), problem.edgeType(b).form(), compared, {}};
+    EdgeDifferences differences(problem, batch, options.step);
+    for (std::int64_t i = 0; i < compared; ++i) {
+      differences.compare(static_cast<std::int32_t>(i * count / compared), comparison.worst);
+    }
+    report.types.push_back(std::move(comparison));
+  }
+  return report;
+}
+
+double JacobianReport::worstDeviation() const {
+  double worst = 0.0;
+  for (const JacobianComparison& type : types) worst = std::max(worst, type.worst.deviation);
+  return worst;
+}
+
+std::string JacobianReport::describe() const {
+  static constexpr const char* forms[] = {"automatic", "analytic", "dual", "numeric"};
+  std::string text;
+  for (const JacobianComparison& type : types) {
+    const JacobianEntry& e = type.worst;
+    text += fmt::format(
+        "{}: {} ({}), {} edges, worst deviation {:.3g} at error {} by {} of role {}: {:.9g} instead of {:.9g}, "
+        "vertices "
+        "{}\n",
+        type.tag, forms[static_cast<int>(type.form.jacobians)], type.form.lanes ? "lanes" : "one at a time", type.edges,
+        e.deviation, e.row, e.direction, e.role, e.computed, e.expected, fmt::join(e.vertices, " "));
+  }
+  return text;
+}
+
+}  // namespace quiver
