@@ -11,5 +11,15 @@
 #include <quiver/plugins/plugin.h>
 #include <quiver/plugins/plugin_loader.h>
 #include <quiver/types_slam2d/edge_se2.h>
+#include <quiver/types_slam2d/edge_se2_prior.h>
+#include <quiver/types_slam2d/edge_se2_xy.h>
 #include <quiver/types_slam2d/vertex_se2.h>
+#include <quiver/types_slam2d/vertex_xy.h>
+#include <quiver/types_slam3d/edge_se3.h>
+#include <quiver/types_slam3d/edge_se3_log.h>
+#include <quiver/types_slam3d/edge_se3_prior.h>
+#include <quiver/types_slam3d/edge_se3_xyz.h>
+#include <quiver/types_slam3d/parameter_se3_offset.h>
+#include <quiver/types_slam3d/vertex_se3.h>
+#include <quiver/types_slam3d/vertex_xyz.h>
 #include <quiver/version.h>

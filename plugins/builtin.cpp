@@ -4,7 +4,8 @@
 #include <quiver/solvers/backends/dense_solver.h>
 #include <quiver/solvers/backends/eigen_solver.h>
 #include <quiver/solvers/normal_equations.h>
-#include <quiver/types_slam2d/edge_se2.h>
+#include <quiver/types_slam2d/register.h>
+#include <quiver/types_slam3d/register.h>
 
 namespace quiver {
 namespace {
@@ -38,8 +39,8 @@ void registerInitializers(Registry&) {}
 
 std::shared_ptr<Registry> builtinRegistry() {
   auto registry = std::make_shared<Registry>();
-  registry->addVertex<VertexSE2>("VERTEX_SE2", "A pose in the plane, body to world.");
-  registry->addEdge<EdgeSE2>("EDGE_SE2", "The pose of one robot position seen from another.");
+  registerSlam2d(*registry);
+  registerSlam3d(*registry);
   registerRobustKernels(*registry);
   registerLinearSystems(*registry);
   registerInitializers(*registry);
