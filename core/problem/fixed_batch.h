@@ -17,7 +17,7 @@ template <typename E>
 struct EdgeFormOf {
   using Functions = EdgeFunctions<E>;
   using Loop = EdgeLoop<E>;
-  using Lane = Lanes<isa::Generic>;
+  using Lane = Lanes<isa::Avx512>;
   template <typename S>
   using DualOf = Dual<S, Loop::tangent>;
   static constexpr Jacobians requested = requestedJacobians<E>();
@@ -144,7 +144,7 @@ class FixedBatch final : public EdgeBatch {
       next = std::copy(values.begin(), values.end(), next);
     }
     const bool diagonal = squareRoot(edge.informationStore().values(), Loop::rows, next);
-    if constexpr (Form::lanes) {
+    if (inLanes()) {
       const int last = i + 1 == size() ? (i / Panel::lanes + 1) * Panel::lanes - 1 : i;
       for (int lane = i; lane <= last; ++lane) {
         double* out = constants_.data() + std::int64_t{lane / Panel::lanes} * Loop::constants * Panel::lanes +
@@ -157,41 +157,39 @@ class FixedBatch final : public EdgeBatch {
     return diagonal;
   }
 
+  /// Without vector registers eight edges at a time cost more than one.
+  bool inLanes() const { return Form::lanes && instructionSet_ != InstructionSet::generic; }
+
   template <bool withJacobians>
   void run(const BatchView& view, const std::int32_t* edges, int count, const Panel& panel) const {
-    switch (instructionSet_) {
-      case InstructionSet::avx512:
-        return runAvx512<withJacobians>(view, edges, count, panel);
-      case InstructionSet::avx2:
-        return runAvx2<withJacobians>(view, edges, count, panel);
-      case InstructionSet::generic:
-        return runGeneric<withJacobians>(view, edges, count, panel);
-    }
-  }
-
-  template <typename Isa, bool withJacobians>
-  static inline void loop(const BatchView& view, const std::int32_t* edges, int count, const Panel& panel) {
     if constexpr (Form::lanes) {
-      laneLoop<E, Lanes<Isa>, Form::jacobians == Jacobians::analytic, withJacobians>(view, edges, count, panel);
+      if (instructionSet_ == InstructionSet::avx512) return lanesAvx512<withJacobians>(view, edges, count, panel);
+      if (instructionSet_ == InstructionSet::avx2) return lanesAvx2<withJacobians>(view, edges, count, panel);
     } else {
-      scalarLoop<E, Form::jacobians, withJacobians>(view, edges, count, panel);
+      if (instructionSet_ != InstructionSet::generic) return scalarAvx2<withJacobians>(view, edges, count, panel);
     }
+    scalarGeneric<withJacobians>(view, edges, count, panel);
   }
 
   template <bool withJacobians>
-  QUIVER_BATCH_LOOP_AVX512 static void runAvx512(const BatchView& view, const std::int32_t* edges, int count,
-                                                 const Panel& panel) {
-    loop<isa::Avx512, withJacobians>(view, edges, count, panel);
-  }
-  template <bool withJacobians>
-  QUIVER_BATCH_LOOP_AVX2 static void runAvx2(const BatchView& view, const std::int32_t* edges, int count,
-                                             const Panel& panel) {
-    loop<isa::Avx2, withJacobians>(view, edges, count, panel);
-  }
-  template <bool withJacobians>
-  QUIVER_BATCH_LOOP_GENERIC static void runGeneric(const BatchView& view, const std::int32_t* edges, int count,
+  QUIVER_BATCH_LOOP_AVX512 static void lanesAvx512(const BatchView& view, const std::int32_t* edges, int count,
                                                    const Panel& panel) {
-    loop<isa::Generic, withJacobians>(view, edges, count, panel);
+    laneLoop<E, Lanes<isa::Avx512>, Form::jacobians == Jacobians::analytic, withJacobians>(view, edges, count, panel);
+  }
+  template <bool withJacobians>
+  QUIVER_BATCH_LOOP_AVX2 static void lanesAvx2(const BatchView& view, const std::int32_t* edges, int count,
+                                               const Panel& panel) {
+    laneLoop<E, Lanes<isa::Avx2>, Form::jacobians == Jacobians::analytic, withJacobians>(view, edges, count, panel);
+  }
+  template <bool withJacobians>
+  QUIVER_BATCH_LOOP_AVX2 static void scalarAvx2(const BatchView& view, const std::int32_t* edges, int count,
+                                                const Panel& panel) {
+    scalarLoop<E, Form::jacobians, withJacobians>(view, edges, count, panel);
+  }
+  template <bool withJacobians>
+  QUIVER_BATCH_LOOP_GENERIC static void scalarGeneric(const BatchView& view, const std::int32_t* edges, int count,
+                                                      const Panel& panel) {
+    scalarLoop<E, Form::jacobians, withJacobians>(view, edges, count, panel);
   }
 
   InstructionSet instructionSet_;

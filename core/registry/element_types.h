@@ -43,6 +43,9 @@ class ElementType {
   int index_ = -1;
 };
 
+/// Whether a vertex's estimate is a pose, and of what: then its values are those of Packing<SE2<double>> or Packing<SE3<double>>.
+enum class PoseKind { none, plane, space };
+
 /// Descriptor of a vertex type. Its functions act on vertices of that type only.
 class VertexType : public ElementType {
  public:
@@ -50,6 +53,7 @@ class VertexType : public ElementType {
   /// Dimension of the tangent; Dynamic if it differs from vertex to vertex.
   virtual int dimension() const = 0;
   virtual int dimension(const Vertex& vertex) const = 0;
+  virtual PoseKind poseKind() const = 0;
   /// Number of doubles that hold the estimate.
   virtual int valueCount(const Vertex& vertex) const = 0;
   virtual const double* values(const Vertex& vertex) const = 0;

@@ -54,6 +54,15 @@ class VertexTypeOf final : public VertexType {
   int dimension(const Vertex& vertex) const override {
     return V::dimension == Dynamic ? valueCount(vertex) : V::dimension;
   }
+  PoseKind poseKind() const override {
+    if constexpr (std::is_same_v<typename V::Estimate, SE2<double>>) {
+      return PoseKind::plane;
+    } else if constexpr (std::is_same_v<typename V::Estimate, SE3<double>>) {
+      return PoseKind::space;
+    } else {
+      return PoseKind::none;
+    }
+  }
   int valueCount(const Vertex& vertex) const override { return static_cast<const V&>(vertex).valueCount(); }
   const double* values(const Vertex& vertex) const override { return static_cast<const V&>(vertex).values(); }
   void setValues(Vertex& vertex, const double* values) const override {
