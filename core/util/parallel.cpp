@@ -3,10 +3,11 @@
 #include <atomic>
 #include <exception>
 #include <thread>
-#include <vector>
 
 #ifdef QUIVER_OPENMP
 #  include <omp.h>
+#else
+#  include <quiver/core/util/thread_pool.h>
 #endif
 
 namespace quiver {
@@ -28,15 +29,11 @@ class FirstException {
   std::exception_ptr exception_;
 };
 
-#ifndef QUIVER_OPENMP
-thread_local bool insideLoop = false;
-#endif
-
 bool nested() {
 #ifdef QUIVER_OPENMP
   return omp_in_parallel() != 0;
 #else
-  return insideLoop;
+  return detail::ThreadPool::insideTask();
 #endif
 }
 
@@ -70,17 +67,7 @@ void parallelFor(std::int64_t count, int threads, FunctionRef<void(std::int64_t)
 #  pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
   for (std::int64_t i = 0; i < count; ++i) guarded(i);
 #else
-  std::atomic<std::int64_t> next{0};
-  const auto work = [&] {
-    insideLoop = true;
-    for (std::int64_t i = next.fetch_add(1); i < count; i = next.fetch_add(1)) guarded(i);
-    insideLoop = false;
-  };
-  std::vector<std::thread> others;
-  others.reserve(static_cast<std::size_t>(threads) - 1);
-  for (int t = 1; t < threads; ++t) others.emplace_back(work);
-  work();
-  for (std::thread& thread : others) thread.join();
+  detail::ThreadPool::instance().run(count, threads - 1, guarded);
 #endif
   first.rethrow();
 }
