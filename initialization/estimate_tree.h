@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <quiver/core/algorithm/options.h>
+#include <quiver/core/graph/graph.h>
+
+namespace quiver::detail {
+
+/// Grows a forest of shortest paths over a graph, telling each vertex it reaches its estimate from the path's last
+/// edge. The rules are those of spanningTreeEstimate(); `length` is what an edge adds to a path, ≥ 0 and finite.
+class EstimateTree {
+ public:
+  using Length = double (*)(const EdgeType&, const Edge&);
+
+  EstimateTree(Graph& graph, const Options& options, Length length);
+
+  /// Sets the estimates. Throws GraphError if a vertex ends without one.
+  void grow();
+  /// From where it grew and what it told, in words.
+  std::string describe(const std::string& name) const;
+
+ private:
+  /// A path that leads to a vertex by an edge; −1 for a root.
+  struct Candidate {
+    double distance;
+    std::int32_t edges;
+    std::int32_t vertex;
+    std::int32_t edge;
+  };
+
+  void collectEdges();
+  void collectVertices(const std::vector<std::int64_t>& free);
+  void linkEdges();
+  void findComponents();
+  bool isFullPrior(int edge) const;
+  void seed();
+  void drain();
+  /// Makes a vertex known and offers paths over its edges.
+  void settle(const Candidate& candidate);
+  void offer(const Candidate& candidate);
+  bool tell(const Candidate& candidate);
+  void plant(int vertex);
+  void plantRemaining();
+  void checkAllKnown() const;
+  bool later(const Candidate& a, const Candidate& b) const;
+
+  std::span<const std::int32_t> verticesOf(int edge) const {
+    return {ends_.data() + endsBegin_[static_cast<std::size_t>(edge)],
+            ends_.data() + endsBegin_[static_cast<std::size_t>(edge) + 1]};
+  }
+
+  Graph& graph_;
+  int level_;
+  Length length_;
+  std::vector<const Edge*> edges_;  // in canonical order
+  std::vector<Vertex*> vertices_;   // in canonical order
+  std::vector<char> held_;
+  std::vector<std::int32_t> ends_;
+  std::vector<std::int64_t> endsBegin_;
+  std::vector<std::int32_t> touching_;  // edges of each vertex
+  std::vector<std::int64_t> touchingBegin_;
+  std::vector<std::int32_t> componentOf_;
+  std::vector<char> rooted_;  // by component
+
+  std::vector<char> known_;
+  std::vector<double> distance_;
+  std::vector<std::int32_t> depth_;
+  std::vector<std::int32_t> unknown_;  // vertices of each edge that are not known yet
+  std::vector<Candidate> heap_;
+
+  std::vector<std::int64_t> roots_;
+  std::int64_t told_ = 0;
+  std::int64_t kept_ = 0;
+  int firstKept_ = -1;
+};
+
+}  // namespace quiver::detail
