@@ -1,5 +1,6 @@
 #include <quiver/plugins/builtin.h>
 
+#include <quiver/core/graph/robust_kernels.h>
 #include <quiver/solvers/backends/block_solver.h>
 #include <quiver/solvers/backends/dense_solver.h>
 #include <quiver/solvers/backends/eigen_solver.h>
@@ -27,12 +28,6 @@ void registerLinearSystems(Registry& registry) {
                   makeDenseSolver);
   addLinearSolver(registry, "eigen", "Eigen's simplicial LDLT on scalars: an independent reference, one thread.",
                   makeEigenSolver);
-}
-
-void registerRobustKernels(Registry& registry) {
-  registry.addRobustKernel(huberKernel());
-  registry.addRobustKernel(cauchyKernel());
-  registry.addRobustKernel(tukeyKernel());
 }
 
 void registerInitializers(Registry&) {}

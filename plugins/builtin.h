@@ -11,10 +11,9 @@ namespace quiver {
 /// ordinary object, so two of them know nothing of each other.
 std::shared_ptr<Registry> builtinRegistry();
 
-/// Makes the library's linear systems, initialisers and robust kernels known to a registry. Throws GraphError where a
-/// name is taken.
+/// Makes the library's linear systems and initialisers known to a registry. Throws GraphError where a name is taken.
+/// (Types and robust kernels: registerSlam2d, registerSlam3d, registerRobustKernels in their folders.)
 void registerLinearSystems(Registry& registry);
 void registerInitializers(Registry& registry);
-void registerRobustKernels(Registry& registry);
 
 }  // namespace quiver

@@ -1,0 +1,107 @@
+#include <quiver/core/graph/robust_kernels.h>
+
+#include <cmath>
+
+#include <quiver/core/registry/registry.h>
+
+namespace quiver {
+namespace {
+
+RobustValue pseudoHuber(double e, double width, double) {
+  const double square = width * width;
+  const double ratio = e / square;
+  const double root = std::sqrt(1.0 + ratio);
+  // √(1 + r) − 1 = r / (√(1 + r) + 1): no cancellation for small r.
+  return {2.0 * square * ratio / (root + 1.0), 1.0 / root, -0.5 / (square * root * (1.0 + ratio))};
+}
+
+RobustValue gemanMcClure(double e, double width, double) {
+  const double share = width / (width + e);
+  return {share * e, share * share, -2.0 * share * share / (width + e)};
+}
+
+RobustValue welsch(double e, double width, double) {
+  const double square = width * width;
+  const double weight = std::exp(-e / square);
+  return {-square * std::expm1(-e / square), weight, -weight / square};
+}
+
+RobustValue fair(double e, double width, double) {
+  const double ratio = std::sqrt(e) / width;
+  const double weight = 1.0 / (1.0 + ratio);
+  // ratio − ln(1 + ratio) cancels for small ratios: there its series.
+  const double small = ratio * ratio * (0.5 - ratio * (1.0 / 3.0 - ratio * (0.25 - ratio * (0.2 - ratio / 6.0))));
+  const double loss = ratio < 1e-3 ? small : ratio - std::log1p(ratio);
+  const double second = e > 0.0 ? -0.5 * weight * weight / (width * std::sqrt(e)) : 0.0;
+  return {2.0 * width * width * loss, weight, second};
+}
+
+RobustValue saturated(double e, double width, double) {
+  const double square = width * width;
+  if (e <= square) return {e, 1.0, 0.0};
+  return {square, 0.0, 0.0};
+}
+
+RobustValue dcs(double e, double width, double) {
+  if (e <= width) return {e, 1.0, 0.0};
+  const double scale = 2.0 * width / (width + e);
+  return {width * (3.0 * e - width) / (width + e), scale * scale, -2.0 * scale * scale / (width + e)};
+}
+
+RobustValue barron(double e, double width, double shape) {
+  constexpr double special = 1e-12;  // nearer than this to 0 or 2 the limit is exact to rounding
+  const double square = width * width;
+  const double distance = std::abs(shape - 2.0);
+  if (distance < special) return {e, 1.0, 0.0};
+  const double logarithm = std::log1p(e / (square * distance));
+  // ((1 + v)^(α/2) − 1) / α, which tends to ln(1 + v) / 2 for α → 0.
+  const double growth = std::abs(shape) < special ? 0.5 * logarithm : std::expm1(0.5 * shape * logarithm) / shape;
+  const double weight = std::exp((0.5 * shape - 1.0) * logarithm);
+  const double second = 0.5 / square * std::exp((0.5 * shape - 2.0) * logarithm);
+  return {2.0 * square * distance * growth, weight, shape < 2.0 ? -second : second};
+}
+
+RobustValue arctan(double e, double width, double) {
+  const double square = width * width;
+  const double ratio = e / square;
+  const double weight = 1.0 / (1.0 + ratio * ratio);
+  return {square * std::atan(ratio), weight, -2.0 * ratio * weight * weight / square};
+}
+
+constexpr RobustKernelType pseudoHuberType{"PseudoHuber", pseudoHuber,
+                                           "width in standard deviations: 2 width^2 (sqrt(1 + e/width^2) - 1)"};
+constexpr RobustKernelType gemanMcClureType{"GemanMcClure", gemanMcClure,
+                                            "width in squared standard deviations, as in g2o: width e / (width + e)"};
+constexpr RobustKernelType welschType{"Welsch", welsch, "width in standard deviations: width^2 (1 - exp(-e/width^2))"};
+constexpr RobustKernelType fairType{"Fair", fair,
+                                    "width in standard deviations: 2 width^2 (sqrt(e)/width - ln(1 + sqrt(e)/width))"};
+constexpr RobustKernelType saturatedType{"Saturated", saturated, "width in standard deviations: min(e, width^2)"};
+constexpr RobustKernelType dcsType{
+    "DCS", dcs,
+    "dynamic covariance scaling, width in squared standard deviations: e, beyond it width (3e - width)/(width + e)"};
+constexpr RobustKernelType barronType{"Barron", barron,
+                                      "Barron's general kernel, width in standard deviations; shape 2 is none, 1 "
+                                      "pseudo-Huber, 0 Cauchy, -2 Geman-McClure",
+                                      true, 1.0};
+constexpr RobustKernelType arctanType{"Arctan", arctan, "width in standard deviations: width^2 arctan(e/width^2)"};
+
+}  // namespace
+
+const RobustKernelType& pseudoHuberKernel() { return pseudoHuberType; }
+const RobustKernelType& gemanMcClureKernel() { return gemanMcClureType; }
+const RobustKernelType& welschKernel() { return welschType; }
+const RobustKernelType& fairKernel() { return fairType; }
+const RobustKernelType& saturatedKernel() { return saturatedType; }
+const RobustKernelType& dcsKernel() { return dcsType; }
+const RobustKernelType& barronKernel() { return barronType; }
+const RobustKernelType& arctanKernel() { return arctanType; }
+
+void registerRobustKernels(Registry& registry) {
+  for (const RobustKernelType* kernel :
+       {&huberKernel(), &pseudoHuberKernel(), &cauchyKernel(), &gemanMcClureKernel(), &welschKernel(), &fairKernel(),
+        &tukeyKernel(), &saturatedKernel(), &dcsKernel(), &barronKernel(), &arctanKernel()}) {
+    registry.addRobustKernel(*kernel);
+  }
+}
+
+}  // namespace quiver
