@@ -168,6 +168,37 @@ void leafForward(const LeafView& leaf, const double* values, const double* inver
   }
 }
 
+/// The products blockᵀ x of a column's blocks, summed up in pieces of 4, 2 and 1 rows: exact loads, since the scalars
+/// beyond a block may belong to another thread.
+template <int b>
+struct TransposedSum {
+  static constexpr int fours = b / 4;
+  static constexpr bool two = b % 4 >= 2;
+  static constexpr bool one = b % 2 == 1;
+  VectorOf<4>::Type sum4[b][fours + 1] = {};
+  VectorOf<2>::Type sum2[b] = {};
+  double sum1[b] = {};
+
+  inline __attribute__((always_inline)) void add(const double* block, const double* x) {
+#pragma GCC unroll 9
+    for (int c = 0; c < b; ++c) {
+      const double* column = block + c * leafStride(b);
+#pragma GCC unroll 2
+      for (int k = 0; k < fours; ++k) sum4[c][k] += load<4>(column + 4 * k) * load<4>(x + 4 * k);
+      if constexpr (two) sum2[c] += load<2>(column + 4 * fours) * load<2>(x + 4 * fours);
+      if constexpr (one) sum1[c] += column[b - 1] * x[b - 1];
+    }
+  }
+
+  inline __attribute__((always_inline)) double of(int c) const {
+    double sum = sum1[c];
+    if constexpr (two) sum += sum2[c][0] + sum2[c][1];
+#pragma GCC unroll 2
+    for (int k = 0; k < fours; ++k) sum += (sum4[c][k][0] + sum4[c][k][1]) + (sum4[c][k][2] + sum4[c][k][3]);
+    return sum;
+  }
+};
+
 template <int b>
 void leafBackward(const LeafView& leaf, const double* values, const double* inverse, double* x) {
   using Block = LeafBlock<b>;
@@ -175,19 +206,21 @@ void leafBackward(const LeafView& leaf, const double* values, const double* inve
     const LeafColumn& column = leaf.columns[j];
     const double* diagonal = values + column.values;
     const double* block = diagonal;
-    double y[b];
-    for (int c = 0; c < b; ++c) y[c] = x[column.scalar + c];
+    const std::int32_t* rows = leaf.rows + column.rows;
+    TransposedSum<b> sums;
     for (int i = 0; i < column.below; ++i) {
       block += Block::size;
-      const double* source = x + leaf.rows[column.rows + i];
-      for (int c = 0; c < b; ++c) {
-        for (int r = 0; r < b; ++r) y[c] -= block[c * Block::stride + r] * source[r];
-      }
+      sums.add(block, x + rows[i]);
     }
+    double y[b];
+#pragma GCC unroll 9
     for (int c = b - 1; c >= 0; --c) {
+      y[c] = x[column.scalar + c] - sums.of(c);
+#pragma GCC unroll 9
       for (int k = c + 1; k < b; ++k) y[c] -= diagonal[c * Block::stride + k] * y[k];
       y[c] *= inverse[column.scalar + c];
-      x[column.scalar + c] = y[c];
     }
+#pragma GCC unroll 9
+    for (int c = 0; c < b; ++c) x[column.scalar + c] = y[c];
   }
 }
