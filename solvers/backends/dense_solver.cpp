@@ -1,41 +1,30 @@
 #include <quiver/solvers/backends/dense_solver.h>
 
-#include <cmath>
-
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
+#include <algorithm>
 
 #include <quiver/solvers/backends/scalar_columns.h>
 #include <quiver/solvers/backends/validate.h>
+#include <quiver/solvers/cholesky/kernels/kernel_level.h>
+#include <quiver/solvers/cholesky/panel.h>
+#include <quiver/solvers/cholesky/work_buffer.h>
 
 namespace quiver {
 namespace {
 
-constexpr Eigen::Index panelWidth = 48;
-
-/// Factors the lower triangle of a in place; returns the first column whose pivot (stored in `pivot`) is not positive,
-/// or −1.
-Eigen::Index factorInPlace(Eigen::Ref<Eigen::MatrixXd> a, double& pivot) {
-  for (Eigen::Index c = 0; c < a.cols(); ++c) {
-    pivot = a(c, c);
-    if (!(pivot > 0.0)) return c;
-    const Eigen::Index below = a.rows() - c - 1;
-    a(c, c) = std::sqrt(pivot);
-    a.col(c).tail(below) /= a(c, c);
-    for (Eigen::Index k = c + 1; k < a.cols(); ++k)
-      a.col(k).tail(a.rows() - k) -= a(k, c) * a.col(c).tail(a.rows() - k);
-  }
-  return -1;
-}
-
+/// The matrix is one panel: all columns, no rows below.
 class DenseSolver final : public LinearSolver {
  public:
   std::string name() const override { return "dense"; }
 
-  void analyze(std::shared_ptr<const BlockPattern> pattern, int) override {
+  void analyze(std::shared_ptr<const BlockPattern> pattern, int threads) override {
     pattern_ = std::move(pattern);
-    const Eigen::Index n = pattern_->layout().scalars();
-    factor_.resize(n, n);
+    threads_ = threads;
+    size_ = pattern_->layout().scalars();
+    rows_ = (size_ + 7) / 8 * 8;
+    stride_ = (rows_ / 8 | 1) * 8;  // an odd multiple of 8: columns do not fall on the same cache sets
+    detail::reserve(factor_, stride_ * size_ + 8);
+    detail::reserve(inverse_, size_);
+    detail::reserve(x_, rows_);
     factored_ = false;
   }
 
@@ -43,24 +32,16 @@ class DenseSolver final : public LinearSolver {
                          const StopCondition& stop) override {
     detail::validateFactorize(name(), pattern_.get(), matrix, damping);
     factored_ = false;
+    if (stop.reached()) return {.outcome = SolverStatus::Outcome::interrupted};
     load(matrix, damping);
-    const Eigen::Index n = factor_.rows();
-    for (Eigen::Index c = 0; c < n; c += panelWidth) {
-      if (stop.reached()) return {.outcome = SolverStatus::Outcome::interrupted};
-      const Eigen::Index width = std::min(panelWidth, n - c);
-      double pivot = 0.0;
-      const Eigen::Index failed = factorInPlace(factor_.block(c, c, width, width), pivot);
-      if (failed >= 0) {
-        const auto [block, coordinate] = detail::ScalarColumns::locate(pattern_->layout(), c + failed);
-        return {SolverStatus::Outcome::notPositiveDefinite, block, coordinate, pivot};
-      }
-      const Eigen::Index below = n - c - width;
-      auto panel = factor_.block(c + width, c, below, width);
-      factor_.block(c, c, width, width)
-          .triangularView<Eigen::Lower>()
-          .transpose()
-          .solveInPlace<Eigen::OnTheRight>(panel);
-      factor_.bottomRightCorner(below, below).selfadjointView<Eigen::Lower>().rankUpdate(panel, -1.0);
+    const detail::Panel panel{factor_.data(), stride_, static_cast<int>(size_), static_cast<int>(rows_),
+                              inverse_.data()};
+    const detail::PanelFailure failure =
+        detail::factorPanel(kernels_, panel, size_ < smallestShared ? 1 : threads_, stop);
+    if (failure.stopped) return {.outcome = SolverStatus::Outcome::interrupted};
+    if (failure.column >= 0) {
+      const auto [block, coordinate] = detail::ScalarColumns::locate(pattern_->layout(), failure.column);
+      return {SolverStatus::Outcome::notPositiveDefinite, block, coordinate, failure.pivot};
     }
     factored_ = true;
     return {};
@@ -68,37 +49,53 @@ class DenseSolver final : public LinearSolver {
 
   SolverStatus solve(std::span<double> rightHandSides, int count) override {
     detail::validateSolve(name(), factored_, pattern_.get(), rightHandSides, count);
-    Eigen::Map<Eigen::MatrixXd> x(rightHandSides.data(), factor_.rows(), count);
-    factor_.triangularView<Eigen::Lower>().solveInPlace(x);
-    factor_.triangularView<Eigen::Lower>().transpose().solveInPlace(x);
+    for (int k = 0; k < count; ++k) {
+      double* b = rightHandSides.data() + k * size_;
+      std::fill(std::copy(b, b + size_, x_.data()), x_.data() + rows_, 0.0);
+      const int columns = static_cast<int>(size_);
+      kernels_.forward(factor_.data(), stride_, columns, static_cast<int>(rows_), inverse_.data(), x_.data());
+      kernels_.backward(factor_.data(), stride_, columns, static_cast<int>(rows_), inverse_.data(), x_.data());
+      std::copy(x_.data(), x_.data() + size_, b);
+    }
     return {};
   }
 
   FactorStatistics statistics() const override {
-    const auto n = static_cast<double>(factor_.rows());
-    return {factor_.rows() * (factor_.rows() + 1) / 2, n * (n + 1) * (2 * n + 1) / 6, factor_.size() * 8, 0};
+    const auto n = static_cast<double>(size_);
+    return {size_ * (size_ + 1) / 2, n * (n + 1) * (2 * n + 1) / 6, (factor_.size() + inverse_.size() + x_.size()) * 8,
+            0};
   }
 
  private:
+  /// Below this order a second thread costs more than it brings.
+  static constexpr std::int64_t smallestShared = 192;
+
   void load(const BlockMatrix& matrix, std::span<const double> damping) {
     const BlockLayout& layout = pattern_->layout();
-    factor_.setZero();
+    std::fill(factor_.data(), factor_.data() + stride_ * size_, 0.0);
     for (int column = 0; column < layout.blocks(); ++column) {
       for (std::int64_t k = pattern_->columnBegin(column); k < pattern_->columnEnd(column); ++k) {
         const int row = pattern_->row(k);
         const int rows = layout.dimension(row);
-        const int columns = layout.dimension(column);
-        factor_.block(layout.offset(row), layout.offset(column), rows, columns) =
-            Eigen::Map<const Eigen::MatrixXd>(matrix.block(k), rows, columns);
+        const double* from = matrix.block(k);
+        double* to = factor_.data() + layout.offset(column) * stride_ + layout.offset(row);
+        for (int c = 0; c < layout.dimension(column); ++c, from += rows, to += stride_)
+          std::copy(from, from + rows, to);
       }
     }
-    for (std::size_t i = 0; i < damping.size(); ++i) {
-      factor_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) += damping[i];
-    }
+    for (std::size_t i = 0; i < damping.size(); ++i)
+      factor_[static_cast<std::int64_t>(i) * (stride_ + 1)] += damping[i];
   }
 
+  const detail::KernelTable& kernels_ = detail::kernelTable(detail::KernelLevel::automatic);
   std::shared_ptr<const BlockPattern> pattern_;
-  Eigen::MatrixXd factor_;
+  int threads_ = 1;
+  std::int64_t size_ = 0;
+  std::int64_t rows_ = 0;
+  std::int64_t stride_ = 8;
+  AlignedBuffer factor_;
+  AlignedBuffer inverse_;
+  AlignedBuffer x_;
   bool factored_ = false;
 };
 

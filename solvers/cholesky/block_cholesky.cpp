@@ -5,15 +5,15 @@
 
 #include <quiver/core/util/parallel.h>
 #include <quiver/solvers/backends/validate.h>
+#include <quiver/solvers/cholesky/panel.h>
 #include <quiver/solvers/cholesky/work_buffer.h>
 
 namespace quiver::detail {
 namespace {
 
-/// Scalar columns of a front that are assembled or formed together, and rows that are finished together.
+/// Scalar columns of a front that are assembled or formed together.
 constexpr int assemblyColumns = 48;
 constexpr int updateColumns = 48;
-constexpr int taskRows = 96;
 
 /// Copies blocks to their destinations; b is their common dimension, 0 if it is known at run time only.
 template <int b>
@@ -55,7 +55,7 @@ SolverStatus BlockCholesky::factorize(const BlockMatrix& matrix, std::span<const
                                       const StopCondition& stop) {
   validateFactorize(name(), pattern_.get(), matrix, damping);
   factored_ = false;
-  const Input input{matrix.values().data(), damping.empty() ? nullptr : damping.data()};
+  const Input input{matrix.values().data(), damping.empty() ? nullptr : damping.data(), &stop};
   const TaskSchedule& schedule = plan_.schedule;
   std::atomic<bool> stopped{false};
   parallelFor(static_cast<std::int64_t>(schedule.tasks.size()), schedule.threads, [&](std::int64_t t) {
@@ -79,6 +79,7 @@ SolverStatus BlockCholesky::factorize(const BlockMatrix& matrix, std::span<const
     const Failure failure = factorNode(node, input, isLargeFront(plan_.nodes[node]) ? schedule.threads : 1);
     if (failure.scalar >= 0) return statusOf(failure);
   }
+  if (stop.reached()) return {.outcome = SolverStatus::Outcome::interrupted};
   factored_ = true;
   return {};
 }
@@ -146,8 +147,12 @@ BlockCholesky::Failure BlockCholesky::factorFront(int node, const Input& input, 
       assemblePanel(node, input, border(p), border(p + 1));
     });
   }
-  const Failure failure = eliminate(node, threads);
-  if (failure.scalar >= 0 || front.rows == 0) return failure;
+  const NodeStorage& storage = plan_.storage[node];
+  const Panel panel{values_.data() + storage.values, storage.stride, front.columns,
+                    storage.paddedColumns + storage.paddedRows, inverse_.data() + storage.scalar};
+  const PanelFailure failure = factorPanel(kernels_, panel, threads, *input.stop);
+  if (failure.column >= 0) return {storage.scalar + failure.column, failure.pivot};
+  if (failure.stopped || front.rows == 0) return {};
   const int strips = (front.rows + updateColumns - 1) / updateColumns;
   parallelFor(strips, threads, [&](std::int64_t s) {
     const int begin = static_cast<int>(s) * updateColumns;
@@ -170,38 +175,6 @@ void BlockCholesky::assemblePanel(int node, const Input& input, int firstBlock, 
     kernels_.addChild(arena_.data() + plan_.storage[child].update, plan_.storage[child].updateStride, runs.data(),
                       static_cast<int>(runs.size()), panel, storage.stride, 0, begin, end);
   }
-}
-
-/// Factors the front's columns, a chunk at a time.
-BlockCholesky::Failure BlockCholesky::eliminate(int node, int threads) {
-  const TreeNode& front = plan_.nodes[node];
-  const NodeStorage& storage = plan_.storage[node];
-  double* panel = values_.data() + storage.values;
-  double* inverse = inverse_.data() + storage.scalar;
-  const int rows = storage.paddedColumns + storage.paddedRows;
-  for (int begin = 0; begin < front.columns; begin += chunkColumns) {
-    const int width = std::min(chunkColumns, front.columns - begin);
-    double pivot = 0.0;
-    const int failed = kernels_.factorDiagonal(panel, storage.stride, begin, width, inverse, &pivot);
-    if (failed >= 0) return {storage.scalar + begin + failed, pivot};
-    const int below = begin + (width + 7) / 8 * 8;
-    const int parts = threads <= 1 ? 1 : std::max(1, (rows - below + taskRows - 1) / taskRows);
-    const int partRows = parts == 1 ? rows - below : taskRows;
-    const auto rowsOf = [&](std::int64_t part) {
-      const int first = below + static_cast<int>(part) * partRows;
-      return std::pair{first, std::min(first + partRows, rows)};
-    };
-    parallelFor(parts, threads, [&](std::int64_t part) {
-      const auto [first, last] = rowsOf(part);
-      kernels_.solveRows(panel, storage.stride, begin, width, first, last, inverse);
-    });
-    if (begin + width >= front.columns) break;
-    parallelFor(parts, threads, [&](std::int64_t part) {
-      const auto [first, last] = rowsOf(part);
-      kernels_.updatePanel(panel, storage.stride, begin, width, begin + width, front.columns, first, last);
-    });
-  }
-  return {};
 }
 
 /// Columns of the update matrix: made from the panel's rows below, then, while still near, the children's parts are

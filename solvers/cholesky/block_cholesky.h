@@ -35,6 +35,7 @@ class BlockCholesky final : public LinearSolver {
   struct Input {
     const double* values;
     const double* damping;  // null if there is none
+    const StopCondition* stop;
   };
   /// A pivot that was not positive: its scalar in the factor's numbering, or −1.
   struct Failure {
@@ -47,7 +48,6 @@ class BlockCholesky final : public LinearSolver {
   Failure factorFront(int node, const Input& input, int threads);
   void loadColumns(int node, const Input& input, int firstBlock, int lastBlock, std::int64_t stride);
   void assemblePanel(int node, const Input& input, int firstBlock, int lastBlock);
-  Failure eliminate(int node, int threads);
   void formUpdate(int node, int columnBegin, int columnEnd);
   SolverStatus statusOf(const Failure& failure) const;
 

@@ -201,19 +201,27 @@ void FactorPlanBuilder::addLeafDestinations(int node, std::int64_t firstColumn) 
   const TreeNode& leaf = plan_.nodes[node];
   const int size = plan_.leafDimension * leafStride(plan_.leafDimension);
   LeafColumn* columns = plan_.leafColumns.data() + firstColumn;
+  std::int64_t count = static_cast<std::int64_t>(plan_.leafDestinations.size());
   for (int j = leaf.firstBlock; j < leaf.lastBlock; ++j) {
     LeafColumn& column = columns[j - leaf.firstBlock];
-    column.destinations = narrow(static_cast<std::int64_t>(plan_.leafDestinations.size()));
-    const std::span<const int> rows = below(j);
+    column.destinations = narrow(count);
+    count += std::int64_t{column.inside} * (2 * std::int64_t{column.below} - column.inside + 1) / 2;
+  }
+  plan_.leafDestinations.resize(count);
+  for (int j = leaf.firstBlock; j < leaf.lastBlock; ++j) {
+    const LeafColumn& column = columns[j - leaf.firstBlock];
+    std::int32_t* destination = plan_.leafDestinations.data() + column.destinations;
+    const int* rows = below(j).data();
     for (int q = 0; q < column.inside; ++q) {
       const int targetColumn = tree_->position[rows[q]];
-      const std::span<const int> targetRows = below(targetColumn);
+      const int* target = below(targetColumn).data();
       std::int32_t offset = columns[targetColumn - leaf.firstBlock].values;
-      plan_.leafDestinations.push_back(offset);
-      std::size_t p = 0;
-      for (std::size_t i = q + 1; i < rows.size(); ++i) {
-        while (targetRows[p] != rows[i]) ++p;
-        plan_.leafDestinations.push_back(offset + static_cast<std::int32_t>(p + 1) * size);
+      *destination++ = offset;
+      for (int i = q + 1; i < column.below; ++i) {
+        const int row = rows[i];
+        do offset += size;
+        while (*target++ != row);
+        *destination++ = offset;
       }
     }
   }
