@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include <fmt/format.h>
+#include <Eigen/LU>
 #include <Eigen/SVD>
 
 #include <quiver/core/util/error.h>

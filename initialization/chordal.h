@@ -18,8 +18,4 @@ namespace quiver {
 /// without an estimate. The cost is two sparse factorisations of a third and a sixth of the pose problem's size.
 std::string chordalEstimate(Graph& graph, const Options& options = {});
 
-/// The best start at hand: the graph's own estimates if every vertex has one, else a spanning tree; and chordal
-/// relaxation when its chi2 is lower.
-std::string automaticEstimate(Graph& graph, const Options& options = {});
-
 }  // namespace quiver

@@ -1,0 +1,73 @@
+#include <quiver/initialization/automatic.h>
+
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <quiver/core/problem/problem.h>
+#include <quiver/core/util/error.h>
+#include <quiver/core/util/parallel.h>
+#include <quiver/initialization/chordal.h>
+#include <quiver/initialization/spanning_tree.h>
+
+namespace quiver {
+namespace {
+
+double chi2Of(Graph& graph, const Options& options) {
+  const int threads = options.threads > 0 ? options.threads : hardwareThreads();
+  Problem problem(graph, {options.level, options.free, threads});
+  const CostTotals totals = problem.evaluate(problem.state());
+  return totals.finite() ? totals.chi2 : HUGE_VAL;
+}
+
+/// The estimates of all vertices, to bring them back.
+class Estimates {
+ public:
+  explicit Estimates(Graph& graph) : graph_(graph) {
+    std::as_const(graph).forEachVertex([&](const Vertex& vertex) {
+      const VertexType& type = graph.typeOf(vertex);
+      const double* values = type.values(vertex);
+      values_.insert(values_.end(), values, values + type.valueCount(vertex));
+    });
+  }
+  void restore() {
+    const double* next = values_.data();
+    graph_.forEachVertex([&](Vertex& vertex) {
+      const bool had = vertex.hasEstimate();
+      const VertexType& type = graph_.typeOf(vertex);
+      type.setValues(vertex, next);
+      vertex.setHasEstimate(had);
+      next += type.valueCount(vertex);
+    });
+  }
+
+ private:
+  Graph& graph_;
+  std::vector<double> values_;
+};
+
+}  // namespace
+
+std::string automaticEstimate(Graph& graph, const Options& options) {
+  bool complete = true;
+  std::as_const(graph).forEachVertex([&](const Vertex& vertex) { complete = complete && vertex.hasEstimate(); });
+  std::string words = complete ? "the file's estimates" : spanningTreeEstimate(graph, options);
+  // Landmarks whose estimates were given must not be lost to a start that cannot tell them; free subsets start where
+  // they are.
+  if (!options.free.empty()) return words;
+  const double before = chi2Of(graph, options);
+  Estimates saved(graph);
+  try {
+    const std::string chordal = chordalEstimate(graph, options);
+    const double after = chi2Of(graph, options);
+    if (after < before) return fmt::format("{}: chi2 {:.6g}, lower than {:.6g} of {}", chordal, after, before, words);
+  } catch (const GraphError&) {
+    // No chordal start for this graph: not an error, the other one stands.
+  }
+  std::as_const(graph).forEachVertex([&](const Vertex& vertex) { const_cast<Vertex&>(vertex).setHasEstimate(true); });
+  saved.restore();
+  return words;
+}
+
+}  // namespace quiver
