@@ -21,12 +21,14 @@ inline void transposedRotation(const SO2<S>& r, Block& J, int row = 0, int colum
   J(row + 1, column) = -r.sine();
 }
 
-/// R at row `row` of J and column `column`.
-template <typename S, typename Block>
-inline void rotation(const SO2<S>& r, Block& J, int row = 0, int column = 0) {
-  J(row, column) = J(row + 1, column + 1) = r.cosine();
-  J(row, column + 1) = -r.sine();
-  J(row + 1, column) = r.sine();
+/// How Rᵀ p moves with the pose that sees p = X⁻¹ l: Rᵀ [−I, (p_y, −p_x)ᵀ].
+template <typename S>
+inline void turnedPointByPose(const SO2<S>& r, const Vector<S, 2>& p, Matrix<S, 2, 3>& J) {
+  J(0, 0) = J(1, 1) = -r.cosine();
+  J(0, 1) = -r.sine();
+  J(1, 0) = r.sine();
+  J(0, 2) = r.cosine() * p[1] - r.sine() * p[0];
+  J(1, 2) = -(r.sine() * p[1] + r.cosine() * p[0]);
 }
 
 }  // namespace quiver::detail
