@@ -45,7 +45,7 @@ int main() {
     return std::make_unique<NormalEquations>();
   });
 
-  // A chain along (1, 2, 3, 4)/10 whose start is known by nothing but the radius of each state.
+  // A chain along (1, 2, 3, 4)/10 from a known start, each state with its distance from the origin.
   constexpr int count = 100;
   const Vector<double, 4> stride(0.1, 0.2, 0.3, 0.4);
   Graph graph(registry);
@@ -54,9 +54,10 @@ int main() {
     graph.addEdge<EdgeRadius>({i}, (stride * (i + 1)).norm(), Matrix<double, 1, 1>::Identity());
     if (i > 0) graph.addEdge<EdgeDifference>({i - 1, i}, stride, 100.0 * Matrix<double, 4, 4>::Identity());
   }
+  graph.vertex<VertexState>(0).setEstimate(stride);
+  graph.vertex<VertexState>(0).setFixed(true);
   const Summary summary = optimize(graph);
 
-  // The radii fix the chain up to a rotation about its own direction; on the chain itself that is nothing at all.
   const double difference = (graph.vertex<VertexState>(count - 1).estimate() - stride * count).norm();
   std::printf("quiver %s: %s\nfinal chi2 %.3g, off by %.3g\n", QUIVER_VERSION, summary.reason.c_str(),
               summary.finalChi2, difference);
