@@ -36,9 +36,10 @@ class DisjointSets {
 using Generators = Eigen::Matrix<double, gaugeDirections, gaugeDirections>;
 
 /// Σ (J G)ᵀ(J G) over the edges of a component, and Σ over edges and roles of ‖J_role G‖² per generator, the scale of
-/// the sum.
+/// the sum; and GᵀG.
 struct Products {
   Generators square = Generators::Zero();
+  Generators gram = Generators::Zero();
   Eigen::Matrix<double, gaugeDirections, 1> scale = Eigen::Matrix<double, gaugeDirections, 1>::Zero();
 };
 
@@ -142,24 +143,40 @@ void addEdge(const Problem& problem, const EdgeBatch& batch, int edge, int place
   if (target) target->square += moved.transpose() * moved;
 }
 
+/// Adds one vertex's GᵀG to its component.
+void addVertex(const double* generators, int dimension, Products& products) {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, gaugeDirections, Eigen::RowMajor>;
+  const Eigen::Map<const Rows> G(generators, dimension, gaugeDirections);
+  products.gram += G.transpose() * G;
+}
+
+/// Eigenvalues below `zero` of the rows and columns `live` of a matrix, scaled by the roots of `scale`.
+int nullity(const Generators& matrix, const Eigen::Matrix<double, gaugeDirections, 1>& scale,
+            const std::vector<int>& live, double zero) {
+  Eigen::MatrixXd scaled(live.size(), live.size());
+  for (std::size_t a = 0; a < live.size(); ++a) {
+    for (std::size_t b = 0; b < live.size(); ++b) {
+      scaled(static_cast<int>(a), static_cast<int>(b)) =
+          matrix(live[a], live[b]) / std::sqrt(scale[live[a]] * scale[live[b]]);
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled, Eigen::EigenvaluesOnly);
+  return static_cast<int>((eigen.eigenvalues().array() < zero).count());
+}
+
+/// The combinations of generators that change no error, less those that move nothing at all: among the generators of a
+/// single vertex, say, there are more than it has directions.
 int freeDirections(const Products& products) {
   // Generators that move nothing (a roll in the plane) are left out; the others are scaled to compare with each other.
   std::vector<int> live;
   for (int k = 0; k < gaugeDirections; ++k) {
     if (products.scale[k] > 0.0) live.push_back(k);
   }
-  Eigen::MatrixXd scaled(live.size(), live.size());
-  for (std::size_t a = 0; a < live.size(); ++a) {
-    for (std::size_t b = 0; b < live.size(); ++b) {
-      scaled(static_cast<int>(a), static_cast<int>(b)) =
-          products.square(live[a], live[b]) / std::sqrt(products.scale[live[a]] * products.scale[live[b]]);
-    }
-  }
   if (live.empty()) return 0;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled, Eigen::EigenvaluesOnly);
-  constexpr double zero =
-      1e-14;  // (J G)ᵀ(J G) cancels to ε²; genuine priors of weight 1e-14 of the sum are priors no more
-  return static_cast<int>((eigen.eigenvalues().array() < zero).count());
+  // (J G)ᵀ(J G) cancels to ε²; genuine priors of weight 1e-14 of the sum are priors no more.
+  const int unnoticed = nullity(products.square, products.scale, live, 1e-14);
+  const int motionless = nullity(products.gram, products.gram.diagonal(), live, 1e-13);
+  return std::max(0, unnoticed - motionless);
 }
 
 }  // namespace
@@ -170,6 +187,12 @@ std::vector<ComponentGauge> findGauges(const Problem& problem) {
   std::vector<std::int64_t> begin;
   const std::vector<double> generators = slotGenerators(problem, begin, componentOf, gauges);
   std::vector<Products> products(gauges.size());
+  for (int variable = 0; variable < problem.variables(); ++variable) {
+    const std::int64_t at = begin[static_cast<std::size_t>(problem.slotOfVariable(variable))];
+    if (at < 0) continue;
+    addVertex(generators.data() + at, problem.dimension(variable),
+              products[static_cast<std::size_t>(componentOf[static_cast<std::size_t>(variable)])]);
+  }
   std::vector<std::int32_t> ids(Panel::capacity);
   for (int b = 0; b < problem.batches(); ++b) {
     const EdgeBatch& batch = problem.batch(b);
