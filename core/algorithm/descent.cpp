@@ -153,11 +153,22 @@ void Descent::fail(const LinearOutcome& outcome) {
   finish(Status::numericalFailure, diagnoseFailure(problem_, system_, outcome));
 }
 
+void Descent::returnToBest() {
+  if (!bestSaved_ || totals_.cost <= bestCost_) return;
+  problem_.restoreBest();
+  totals_ = system_.linearize(problem_.state());
+  bestSaved_ = false;
+}
+
 void Descent::end() {
   system_.addSeconds(report_.seconds);
   if (bestSaved_ && totals_.cost > bestCost_) {
+    const double settled = totals_.cost;
     problem_.restoreBest();
     totals_ = problem_.evaluate(problem_.state());
+    if (summary_.status == Status::converged && settled > bestCost_ * (1.0 + 1e-9)) {
+      finish(Status::stalled, "full steps settle at a cost above the lowest met, which is kept; try --algorithm lm");
+    }
   }
   summary_.finalChi2 = totals_.chi2;
   summary_.finalCost = totals_.cost;

@@ -34,12 +34,15 @@ class Descent {
   void finish(Status status, std::string reason);
   /// Ends because a linear system could not be solved, in words that name the vertex.
   void fail(const LinearOutcome& outcome);
+  /// Goes on from the best estimate met, linearised again, if the present one is worse.
+  void returnToBest();
   /// Restores the best estimate.
   void end();
 
   Problem& problem() { return problem_; }
   LinearSystem& system() { return system_; }
   const CostTotals& totals() const { return totals_; }
+  double bestCost() const { return bestCost_; }
   std::vector<double>& delta() { return delta_; }
   const Options& options() const { return options_; }
   const StopCondition& stop() const { return stop_; }
@@ -69,8 +72,9 @@ class Descent {
   bool ended_ = false;
 };
 
-/// Full steps of H δ = −g while they work. Returns false, without ending the descent, when `careful` and a step raised
-/// the cost or could not be computed: the caller may go on with damping.
+/// Full steps of H δ = −g while they work. When `careful`, at most three steps in a row may leave the cost above the
+/// lowest met: then, or if a step cannot be computed, it returns to the best estimate and returns false without ending
+/// the descent: the caller may go on with damping.
 bool gaussNewton(Descent& descent, bool careful);
 
 /// Damped steps (H + λ D) δ = −g, D = diag(H) kept within [1e-6, 1e32]; λ follows the ratio of actual to predicted

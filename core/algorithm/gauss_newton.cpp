@@ -8,11 +8,15 @@ namespace {
 
 /// Once a step changed the cost by less than this of itself, H hardly changes any more and its last factor serves on.
 constexpr double chordChange = 1e-6;
+/// So many steps in a row may leave the cost above the lowest met: a full step far from the optimum often overshoots
+/// and still leads to where the next ones converge.
+constexpr int mostDetours = 3;
 
 }  // namespace
 
 bool gaussNewton(Descent& descent, bool careful) {
   bool chord = false;
+  int detours = 0;
   while (!descent.exhausted()) {
     const LinearOutcome outcome = chord ? descent.system().solveWithLastFactor(descent.delta(), descent.stop())
                                         : descent.system().solve({}, descent.delta(), descent.stop());
@@ -21,24 +25,33 @@ bool gaussNewton(Descent& descent, bool careful) {
       return true;
     }
     if (!outcome.ok()) {
-      if (careful) return false;
+      if (careful) {
+        descent.returnToBest();
+        return false;
+      }
       descent.fail(outcome);
       return true;
     }
     descent.setLinearIterations(outcome.iterations);
     const double before = descent.totals().cost;
     const CostTotals trial = descent.tryStep();
-    const bool works = trial.finite() && (!(careful || chord) || trial.cost <= before * (1.0 + 1e-9));
+    const bool rises = !(trial.cost <= before * (1.0 + 1e-9));
+    const bool above = !(trial.cost <= descent.bestCost() * (1.0 + 1e-9));
+    const bool works = trial.finite() && !(chord && rises) && !(careful && above && detours == mostDetours);
     if (!works) {
       descent.reject();
       if (chord) {
         chord = false;
         continue;
       }
-      if (careful) return false;
+      if (careful) {
+        descent.returnToBest();
+        return false;
+      }
       descent.finish(Status::stalled, "a full step leads to errors that are not finite; try --algorithm lm");
       return true;
     }
+    detours = above ? detours + 1 : 0;
     if (descent.accept(trial)) return true;
     chord = std::abs(before - trial.cost) <= chordChange * before;
   }
