@@ -42,6 +42,22 @@ void copyAttachments(const std::vector<std::unique_ptr<ElementPool<Base>>>& from
   }
 }
 
+/// An id that is in the list twice, or nullptr. O(n log n) for lists that are not short.
+const std::int64_t* findDuplicate(std::span<const std::int64_t> ids) {
+  constexpr std::size_t shortList = 16;
+  if (ids.size() <= shortList) {
+    for (std::size_t i = 1; i < ids.size(); ++i) {
+      const auto before = ids.begin() + static_cast<std::ptrdiff_t>(i);
+      if (std::find(ids.begin(), before, ids[i]) != before) return &ids[i];
+    }
+    return nullptr;
+  }
+  std::vector<std::int64_t> sorted(ids.begin(), ids.end());
+  std::sort(sorted.begin(), sorted.end());
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+  return twice == sorted.end() ? nullptr : &*std::find(ids.begin(), ids.end(), *twice);
+}
+
 }  // namespace
 
 Graph::Graph(std::shared_ptr<const Registry> registry) : registry_(std::move(registry)) {
@@ -151,11 +167,9 @@ void Graph::checkVertices(const EdgeType& type, std::span<const std::int64_t> ve
                                    registry_->vertexTypes()[static_cast<std::size_t>(expected)]->tag(), role + 1, id,
                                    registry_->vertexTypes()[static_cast<std::size_t>(location.type)]->tag()));
     }
-    for (int other = 0; other < role; ++other) {
-      if (vertices[static_cast<std::size_t>(other)] == id) {
-        throw GraphError(fmt::format("edge {} names vertex {} twice", type.tag(), id));
-      }
-    }
+  }
+  if (const std::int64_t* twice = findDuplicate(vertices)) {
+    throw GraphError(fmt::format("edge {} names vertex {} twice", type.tag(), *twice));
   }
 }
 
@@ -169,8 +183,9 @@ void Graph::checkParameters(const EdgeType& type, std::span<const std::int64_t> 
     if (!parameter)
       throw GraphError(fmt::format("edge {} uses parameter {}, which does not exist", type.tag(), parameters[i]));
     if (typeOf(*parameter).cppName() != names[i]) {
+      const ParameterType* wanted = registry_->findParameterTypeByName(names[i]);
       throw GraphError(fmt::format("edge {} wants a {}, but parameter {} is a {}", type.tag(),
-                                   registry_->findParameterTypeByName(names[i])->tag(), parameters[i],
+                                   wanted ? std::string_view(wanted->tag()) : names[i], parameters[i],
                                    typeOf(*parameter).tag()));
     }
   }
@@ -184,7 +199,13 @@ Edge& Graph::addEdgeOf(int typeIndex, std::span<const std::int64_t> vertices,
   std::vector<int>& roles = roleTypes_[static_cast<std::size_t>(typeIndex)];
   if (roles.empty()) {
     for (int role = 0; role < type.arity(); ++role) {
-      roles.push_back(registry_->findVertexTypeByName(type.vertexTypeName(role))->index());
+      const VertexType* vertex = registry_->findVertexTypeByName(type.vertexTypeName(role));
+      if (!vertex) {
+        roles.clear();
+        throw GraphError(fmt::format("edge {} joins vertices of type {}, which is not registered", type.tag(),
+                                     type.vertexTypeName(role)));
+      }
+      roles.push_back(vertex->index());
     }
   }
   checkVertices(type, vertices);
