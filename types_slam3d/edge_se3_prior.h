@@ -31,4 +31,29 @@ class EdgeSE3Prior : public BaseEdge<EdgeSE3Prior, 6, SE3<double>, VertexSE3> {
   }
 };
 
+/// A sensor's position measured in the world: e = X t_P − z, t_P the sensor in the body (g2o's EDGE_SE3_XYZ_PRIOR,
+/// which asks for the offset and leaves it out).
+class EdgeSE3XYZPrior : public BaseEdge<EdgeSE3XYZPrior, 3, Vector<double, 3>, VertexSE3> {
+ public:
+  using Parameters = ParameterList<ParameterSE3Offset>;
+
+  template <typename S>
+  static Vector<S, 3> computeError(const Vector<S, 3>& z, const SE3<S>& offset, const SE3<S>& x) {
+    return x * offset.translation() - z;
+  }
+
+  /// [R, −R [t_P]ₓ]
+  template <typename S>
+  static void linearizeOplus(const Vector<S, 3>&, const SE3<S>& offset, const SE3<S>& x, Matrix<S, 3, 6>& J) {
+    const Matrix<S, 3, 3> R = x.rotation().matrix();
+    const Matrix<S, 3, 3> swing = detail::timesHat<S>(R, offset.translation());
+    for (int c = 0; c < 3; ++c) {
+      for (int r = 0; r < 3; ++r) {
+        J(r, c) = R(r, c);
+        J(r, c + 3) = -swing(r, c);
+      }
+    }
+  }
+};
+
 }  // namespace quiver

@@ -13,6 +13,10 @@ namespace detail {
 void registerPoses3d(Registry& registry);
 void registerLogarithmicEdges(Registry& registry);
 void registerPoints3d(Registry& registry);
+void registerOffsets3d(Registry& registry);
+void registerCameras3d(Registry& registry);
+void registerEuler3d(Registry& registry);
+void registerPlanes3d(Registry& registry);
 }  // namespace detail
 
 }  // namespace quiver

@@ -18,6 +18,9 @@ void registerPoses3d(Registry& registry) {
                                  "Pose of a sensor measured in the world. Error: translation and vector part of the "
                                  "quaternion of Z^-1 X P; information in this order. The initial estimate is Z P^-1 "
                                  "(g2o uses P^-1 Z).");
+  registry.addEdge<EdgeSE3XYZPrior>("EDGE_SE3_XYZ_PRIOR",
+                                    "Position of a sensor measured in the world, as by GPS. Error X t_P - z in the "
+                                    "world's axes; information (x, y, z). (g2o leaves the sensor's position t_P out.)");
 }
 
 }  // namespace quiver::detail

@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+
+#include <quiver/core/registry/conformance.h>
+
+namespace quiver {
+namespace {
+
+using Point = Vector<double, 2>;
+
+class GoodPoint : public BaseVertex<GoodPoint, 2, Point> {
+ public:
+  static Point oplus(const Point& x, const Point& delta) { return x + delta; }
+};
+
+/// Moves along one direction only, and not by zero.
+class LamePoint : public BaseVertex<LamePoint, 2, Point> {
+ public:
+  static Point oplus(const Point& x, const Point& delta) {
+    return x + Point(delta[0] + delta[1] + 1e-3, delta[0] + delta[1]);
+  }
+};
+
+/// Writes six digits.
+class BluntPoint : public BaseVertex<BluntPoint, 2, Point> {
+ public:
+  static Point oplus(const Point& x, const Point& delta) { return x + delta; }
+  static std::vector<Field> fields() { return {{"x", "m", ""}}; }
+  void read(FieldReader& reader) {
+    const double x = reader.real();
+    setEstimate(Point(x, reader.real()));
+  }
+  void write(FieldWriter& writer) const {
+    for (int i = 0; i < 2; ++i) writer.real(static_cast<double>(static_cast<float>(values()[i])));
+  }
+};
+
+/// Has a wrong sign in its Jacobian.
+class WrongEdge : public BaseEdge<WrongEdge, 2, Point, GoodPoint> {
+ public:
+  static Point computeError(const Point& z, const Point& x) { return x - z; }
+  static void linearizeOplus(const Point&, const Point&, Matrix<double, 2, 2>& J) {
+    J.setIdentity();
+    J(1, 1) = -1.0;
+  }
+};
+
+/// Its vertex type is not registered.
+class LostEdge : public BaseEdge<LostEdge, 2, Point, BluntPoint> {
+ public:
+  static Point computeError(const Point& z, const Point& x) { return x - z; }
+};
+
+std::string findings(const std::shared_ptr<Registry>& registry, const std::string& tag) {
+  std::string checks;
+  for (const ConformanceFinding& finding : checkConformance(registry).findings) {
+    if (finding.tag == tag) checks += finding.check + ";";
+  }
+  return checks;
+}
+
+TEST(Conformance, NamesBrokenPromises) {
+  auto registry = std::make_shared<Registry>();
+  registry->addVertex<GoodPoint>("GOOD_POINT");
+  registry->addVertex<LamePoint>("LAME_POINT");
+  registry->addEdge<WrongEdge>("WRONG_EDGE");
+  registry->addEdge<LostEdge>("LOST_EDGE");
+  EXPECT_EQ(findings(registry, "GOOD_POINT"), "");
+  EXPECT_EQ(findings(registry, "LAME_POINT"), "oplus;");
+  EXPECT_EQ(findings(registry, "WRONG_EDGE"), "jacobians;");
+  EXPECT_EQ(findings(registry, "LOST_EDGE"), "roles;");
+  registry->addVertex<BluntPoint>("BLUNT_POINT");
+  EXPECT_EQ(findings(registry, "BLUNT_POINT"), "fields;round trip;");
+}
+
+TEST(Conformance, ReportsWhatItSaw) {
+  auto registry = std::make_shared<Registry>();
+  registry->addVertex<GoodPoint>("GOOD_POINT");
+  registry->addEdge<WrongEdge>("WRONG_EDGE");
+  const std::string text = checkConformance(registry).describe();
+  EXPECT_NE(text.find("WRONG_EDGE: analytic"), std::string::npos) << text;
+  EXPECT_NE(text.find("-1 instead of 1"), std::string::npos) << text;
+  ConformanceOptions only;
+  only.tags = {"GOOD_POINT"};
+  EXPECT_TRUE(checkConformance(registry, only).passed());
+}
+
+}  // namespace
+}  // namespace quiver

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <quiver/geometry/se3.h>
+
+namespace quiver::detail {
+
+/// The rotation R_z(yaw) R_y(pitch) R_x(roll).
+inline SO3<double> fromEuler(double roll, double pitch, double yaw) {
+  const SO3<double> x = SO3<double>::exp(Vector<double, 3>(roll, 0.0, 0.0));
+  const SO3<double> y = SO3<double>::exp(Vector<double, 3>(0.0, pitch, 0.0));
+  const SO3<double> z = SO3<double>::exp(Vector<double, 3>(0.0, 0.0, yaw));
+  return (z * y * x).renormalised();
+}
+
+/// (roll, pitch, yaw) of a unit quaternion, pitch in [−π/2, π/2].
+template <typename S>
+inline Vector<S, 3> toEuler(const S& x, const S& y, const S& z, const S& w) {
+  using std::asin, std::atan2;
+  const S sine = 2.0 * (w * y - z * x);
+  const S bounded = select(sine > S(1.0), S(1.0), select(sine < S(-1.0), S(-1.0), sine));
+  return Vector<S, 3>(atan2(S(2.0 * (w * x + y * z)), S(1.0 - 2.0 * (x * x + y * y))), asin(bounded),
+                      atan2(S(2.0 * (w * z + x * y)), S(1.0 - 2.0 * (y * y + z * z))));
+}
+
+/// ∂(roll, pitch, yaw)/∂(q_x, q_y, q_z) with q_w = √(1 − |q_xyz|²): infinite for half turns and for pitch ±π/2.
+inline Matrix<double, 3, 3> eulerByQuaternion(const SO3<double>& rotation) {
+  using D = Dual<double, 3>;
+  using std::sqrt;
+  const double sign = signOf(rotation.w());
+  D q[3];
+  const double v[3] = {sign * rotation.x(), sign * rotation.y(), sign * rotation.z()};
+  for (int i = 0; i < 3; ++i) {
+    q[i] = D(v[i]);
+    q[i].gradient[i] = 1.0;
+  }
+  const Vector<D, 3> euler = toEuler<D>(q[0], q[1], q[2], sqrt(D(1.0 - q[0] * q[0] - q[1] * q[1] - q[2] * q[2])));
+  Matrix<double, 3, 3> J;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) J(r, c) = euler[r].gradient[c];
+  }
+  return J;
+}
+
+}  // namespace quiver::detail
