@@ -49,25 +49,30 @@ class Estimates {
 
 }  // namespace
 
-std::string automaticEstimate(Graph& graph, const Options& options) {
+AutomaticStart automaticStart(Graph& graph, const Options& options) {
   bool complete = true;
   std::as_const(graph).forEachVertex([&](const Vertex& vertex) { complete = complete && vertex.hasEstimate(); });
-  std::string words = complete ? "the file's estimates" : spanningTreeEstimate(graph, options);
+  AutomaticStart start{complete ? "file" : "tree",
+                       complete ? "the file's estimates" : spanningTreeEstimate(graph, options)};
   // Landmarks whose estimates were given must not be lost to a start that cannot tell them; free subsets start where
   // they are.
-  if (!options.free.empty()) return words;
+  if (!options.free.empty()) return start;
   const double before = chi2Of(graph, options);
   Estimates saved(graph);
   try {
     const std::string chordal = chordalEstimate(graph, options);
     const double after = chi2Of(graph, options);
-    if (after < before) return fmt::format("{}: chi2 {:.6g}, lower than {:.6g} of {}", chordal, after, before, words);
+    if (after < before) {
+      return {"chordal", fmt::format("{}: chi2 {:.6g}, lower than {:.6g} of {}", chordal, after, before, start.reason)};
+    }
   } catch (const GraphError&) {
     // No chordal start for this graph: not an error, the other one stands.
   }
   std::as_const(graph).forEachVertex([&](const Vertex& vertex) { const_cast<Vertex&>(vertex).setHasEstimate(true); });
   saved.restore();
-  return words;
+  return start;
 }
+
+std::string automaticEstimate(Graph& graph, const Options& options) { return automaticStart(graph, options).reason; }
 
 }  // namespace quiver

@@ -7,9 +7,20 @@
 
 namespace quiver {
 
+/// A start that was chosen among several.
+struct AutomaticStart {
+  /// "file", "tree" or "chordal".
+  std::string name;
+  /// A sentence for the summary.
+  std::string reason;
+};
+
 /// The best start at hand: the graph's own estimates if every vertex has one, else a spanning tree's; and chordal
-/// relaxation's instead where its chi2 is lower. Returns a sentence for the summary. Throws GraphError if an edge
-/// cannot tell a vertex that has no estimate.
+/// relaxation's instead where its chi2 is lower. Throws GraphError if an edge cannot tell a vertex that has no
+/// estimate.
+AutomaticStart automaticStart(Graph& graph, const Options& options = {});
+
+/// automaticStart() as an initialiser: returns its sentence.
 std::string automaticEstimate(Graph& graph, const Options& options = {});
 
 }  // namespace quiver
