@@ -25,6 +25,15 @@ inline void storeRecords(const Lanes<Isa>* in, double* const* pointers) {
   }
 }
 
+/// pointers[i][k] += in[k] lane i, k < Size, a multiple of eight. Records that several pointers share get their parts
+/// in order of i.
+template <int Size, typename Isa>
+inline void addRecords(const Lanes<Isa>* in, double* const* pointers) {
+  for (int i = 0; i < 8; ++i) {
+    for (int k = 0; k < Size; ++k) pointers[i][k] += in[k].v[i];
+  }
+}
+
 template <typename Isa>
 inline void storeLanes(const Lanes<Isa>& value, double* out) {
   for (int i = 0; i < 8; ++i) out[i] = value.v[i];
@@ -87,6 +96,17 @@ QUIVER_TARGET_AVX512 inline void loadRecords(const double* const* pointers, Lane
 }
 
 template <int Size>
+QUIVER_TARGET_AVX512 inline void addRecords(const Lanes<isa::Avx512>* in, double* const* pointers) {
+  static_assert(Size % 8 == 0);
+  for (int k = 0; k < Size; k += 8) {
+    Native8 r[8];
+    for (int i = 0; i < 8; ++i) r[i] = *reinterpret_cast<const Native8*>(in[k + i].v);
+    QUIVER_TRANSPOSE8(r)
+    for (int i = 0; i < 8; ++i) *reinterpret_cast<Native8*>(pointers[i] + k) += r[i];
+  }
+}
+
+template <int Size>
 QUIVER_TARGET_AVX512 inline void storeRecords(const Lanes<isa::Avx512>* in, double* const* pointers) {
   constexpr int whole = Size / 8 * 8;
   for (int k = 0; k < whole; k += 8) {
@@ -95,8 +115,17 @@ QUIVER_TARGET_AVX512 inline void storeRecords(const Lanes<isa::Avx512>* in, doub
     QUIVER_TRANSPOSE8(r)
     for (int i = 0; i < 8; ++i) *reinterpret_cast<Native8*>(pointers[i] + k) = r[i];
   }
-  for (int k = whole; k < Size; ++k) {
-    for (int i = 0; i < 8; ++i) pointers[i][k] = in[k].v[i];
+  if constexpr (Size - whole == 4) {
+    Native8 r[8];
+    for (int i = 0; i < 8; ++i) r[i] = *reinterpret_cast<const Native8*>(in[whole + i % 4].v);
+    QUIVER_TRANSPOSE8(r)
+    for (int i = 0; i < 8; ++i) {
+      *reinterpret_cast<Native4*>(pointers[i] + whole) = __builtin_shufflevector(r[i], r[i], 0, 1, 2, 3);
+    }
+  } else {
+    for (int k = whole; k < Size; ++k) {
+      for (int i = 0; i < 8; ++i) pointers[i][k] = in[k].v[i];
+    }
   }
 }
 

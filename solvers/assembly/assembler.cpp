@@ -10,27 +10,9 @@
 namespace quiver {
 namespace {
 
-constexpr int pieceEdges = 256;
 constexpr int lanes = Panel::lanes;
 /// Edges a panel call handles: few enough that the panel stays in the first cache.
 constexpr int panelEdges = 16;
-
-/// out = in (rows × columns, column-major), or its transpose.
-void placeBlock(const double* in, int rows, int columns, bool transposed, double* out) {
-  if (!transposed) {
-    std::copy_n(in, rows * columns, out);
-    return;
-  }
-  if (rows == 6 && columns == 6) {
-    for (int r = 0; r < 6; ++r) {
-      for (int c = 0; c < 6; ++c) out[r * 6 + c] = in[c * 6 + r];
-    }
-    return;
-  }
-  for (int r = 0; r < rows; ++r) {
-    for (int c = 0; c < columns; ++c) out[r * columns + c] = in[c * rows + r];
-  }
-}
 
 }  // namespace
 
@@ -50,7 +32,7 @@ Assembler::Assembler(const Problem& problem, const BlockMatrix& matrix, std::vec
     BatchKernels kernels{batch.uniform(), batch.largestShape(), {}, {}};
     const std::vector<int>& columns = kernels.shape.columns;
     for (std::size_t second = 0; second < columns.size(); ++second) {
-      largestRecord = std::max(largestRecord, LaneProducts::squareSize(columns[second]));
+      largestRecord = std::max(largestRecord, LaneProducts::paddedSize(columns[second]));
       kernels.squares.push_back(LaneProducts::square(set_, kernels.shape.rows, columns[second]));
       for (std::size_t first = 0; first < second; ++first) {
         largestBlock = std::max(largestBlock, columns[first] * columns[second]);
@@ -59,18 +41,15 @@ Assembler::Assembler(const Problem& problem, const BlockMatrix& matrix, std::vec
     }
     kernels_.push_back(std::move(kernels));
     largest = std::max(largest, batch.size());
-    for (int begin = 0; begin < batch.size(); begin += pieceEdges) {
-      pieces_.push_back({b, begin, std::min(batch.size(), begin + pieceEdges), {}});
-    }
   }
+  totals_.resize(plan_.pieces().size());
   counting_.resize(static_cast<std::size_t>(largest));
   std::iota(counting_.begin(), counting_.end(), 0);
   const std::size_t tasks = threads_ == 1 ? 1 : 4 * static_cast<std::size_t>(threads_);
-  nowhereSize_ = (std::max(largestBlock, largestRecord) + 7) / 8 * 8;
   workspaces_.resize(tasks);
   for (Workspace& work : workspaces_) {
     for (const BatchKernels& kernels : kernels_) work.panels.emplace_back(kernels.shape);
-    work.block = AlignedBuffer((lanes + 1) * nowhereSize_);
+    work.nowhere = AlignedBuffer((std::max(largestBlock, largestRecord) + 7) / 8 * 8);
   }
 }
 
@@ -78,10 +57,11 @@ CostTotals Assembler::assemble(const State& state, BlockMatrix& matrix, std::spa
                                PhaseSeconds& seconds) {
   Stopwatch watch;
   const auto tasks = static_cast<std::int64_t>(workspaces_.size());
-  const auto count = static_cast<std::int64_t>(pieces_.size());
+  const auto count = static_cast<std::int64_t>(totals_.size());
   parallelFor(tasks, threads_, [&](std::int64_t task) {
     for (std::int64_t i = task * count / tasks; i < (task + 1) * count / tasks; ++i) {
-      linearizePiece(state, matrix, pieces_[static_cast<std::size_t>(i)], workspaces_[static_cast<std::size_t>(task)]);
+      const auto at = static_cast<std::size_t>(i);
+      totals_[at] = linearizePiece(state, matrix, plan_.pieces()[at], workspaces_[static_cast<std::size_t>(task)]);
     }
   });
   seconds.linearize += watch.lap();
@@ -100,46 +80,50 @@ CostTotals Assembler::assemble(const State& state, BlockMatrix& matrix, std::spa
     }
   }
   CostTotals totals;
-  for (const Piece& piece : pieces_) {
-    totals.chi2 += piece.totals.chi2;
-    totals.cost += piece.totals.cost;
-    if (totals.badBatch < 0 && piece.totals.badBatch >= 0) {
-      totals.badBatch = piece.totals.badBatch;
-      totals.badEdge = piece.totals.badEdge;
+  for (const CostTotals& piece : totals_) {
+    totals.chi2 += piece.chi2;
+    totals.cost += piece.cost;
+    if (totals.badBatch < 0 && piece.badBatch >= 0) {
+      totals.badBatch = piece.badBatch;
+      totals.badEdge = piece.badEdge;
     }
   }
   seconds.assemble += watch.lap();
   return totals;
 }
 
-void Assembler::linearizePiece(const State& state, BlockMatrix& matrix, Piece& piece, Workspace& work) {
+CostTotals Assembler::linearizePiece(const State& state, BlockMatrix& matrix, const Piece& piece, Workspace& work) {
   const EdgeBatch& batch = problem_->batch(piece.batch);
   const BatchKernels& kernels = kernels_[static_cast<std::size_t>(piece.batch)];
   const Panel& panel = work.panels[static_cast<std::size_t>(piece.batch)].panel();
   const int step = kernels.uniform ? panelEdges : 1;
-  piece.totals = {};
+  std::fill(records_.data() + piece.recordBegin, records_.data() + piece.recordEnd, 0.0);
+  std::fill(work.nowhere.data(), work.nowhere.data() + work.nowhere.size(), 0.0);
+  CostTotals totals;
+  EdgeShape own;
   for (int first = piece.begin; first < piece.end; first += step) {
     const int count = std::min(step, piece.end - first);
     batch.linearize(state, {counting_.data() + first, static_cast<std::size_t>(count)}, panel);
-    addTotals(panel, first, count, piece);
-    if (kernels.uniform) {
-      if (problem_->anyHeldDirections()) dropHeldColumns(piece, first, count, panel, kernels.shape);
-      writeRecords(piece, first, count, panel, kernels.shape, matrix, work);
-    } else {
-      const EdgeShape shape = batch.shape(first);
-      if (problem_->anyHeldDirections()) dropHeldColumns(piece, first, count, panel, shape);
-      writeRecords(piece, first, count, panel, shape, matrix, work);
+    addTotals(piece, panel, first, count, totals);
+    if (!kernels.uniform) own = batch.shape(first);
+    const EdgeShape& shape = kernels.uniform ? kernels.shape : own;
+    if (problem_->anyHeldDirections()) dropHeldColumns(piece, first, count, panel, shape);
+    for (int group = 0; group * lanes < count; ++group) {
+      const int edges = std::min(lanes, count - group * lanes);
+      addRecords(piece, first + group * lanes, edges, group, panel, shape, work);
+      if (shape.columns.size() > 1) writePairs(piece, first + group * lanes, edges, group, panel, shape, matrix, work);
     }
   }
+  return totals;
 }
 
-void Assembler::addTotals(const Panel& panel, int first, int count, Piece& piece) const {
+void Assembler::addTotals(const Piece& piece, const Panel& panel, int first, int count, CostTotals& totals) const {
   for (int i = 0; i < count; ++i) {
-    piece.totals.chi2 += panel.squaredError[i];
-    piece.totals.cost += panel.cost[i];
-    if (piece.totals.badBatch < 0 && !std::isfinite(panel.squaredError[i])) {
-      piece.totals.badBatch = piece.batch;
-      piece.totals.badEdge = first + i;
+    totals.chi2 += panel.squaredError[i];
+    totals.cost += panel.cost[i];
+    if (totals.badBatch < 0 && !std::isfinite(panel.squaredError[i])) {
+      totals.badBatch = piece.batch;
+      totals.badEdge = first + i;
     }
   }
 }
@@ -163,26 +147,21 @@ void Assembler::dropHeldColumns(const Piece& piece, int first, int count, const 
   }
 }
 
-void Assembler::writeRecords(const Piece& piece, int first, int count, const Panel& panel, const EdgeShape& shape,
-                             BlockMatrix& matrix, Workspace& work) {
+void Assembler::addRecords(const Piece& piece, int first, int count, int group, const Panel& panel,
+                           const EdgeShape& shape, Workspace& work) {
   const BatchKernels& kernels = kernels_[static_cast<std::size_t>(piece.batch)];
   const int roles = static_cast<int>(shape.columns.size());
-  for (int group = 0; group * lanes < count; ++group) {
-    const int edges = std::min(lanes, count - group * lanes);
-    double* nowhere = work.block.data() + lanes * nowhereSize_;
-    for (int role = 0; role < roles; ++role) {
-      const int columns = shape.columns[static_cast<std::size_t>(role)];
-      double* out[lanes];
-      for (int i = 0; i < lanes; ++i) {
-        const std::int64_t record = i < edges ? plan_.record(piece.batch, first + group * lanes + i, role) : -1;
-        out[i] = record < 0 ? nowhere : records_.data() + record;
-      }
-      const auto square =
-          kernels.uniform ? kernels.squares[static_cast<std::size_t>(role)] : LaneProducts::square(set_, 0, 0);
-      square(panel.jacobian[role] + group * shape.rows * columns * lanes, panel.residual + group * shape.rows * lanes,
-             shape.rows, columns, out);
+  for (int role = 0; role < roles; ++role) {
+    const int columns = shape.columns[static_cast<std::size_t>(role)];
+    double* out[lanes];
+    for (int i = 0; i < lanes; ++i) {
+      const std::int64_t record = i < count ? plan_.record(piece.batch, first + i, role) : -1;
+      out[i] = record < 0 ? work.nowhere.data() : records_.data() + record;
     }
-    if (roles > 1) writePairs(piece, first + group * lanes, edges, group, panel, shape, matrix, work);
+    const auto square =
+        kernels.uniform ? kernels.squares[static_cast<std::size_t>(role)] : LaneProducts::square(set_, 0, 0);
+    square(panel.jacobian[role] + group * shape.rows * columns * lanes, panel.residual + group * shape.rows * lanes,
+           shape.rows, columns, out);
   }
 }
 
@@ -190,23 +169,25 @@ void Assembler::writePairs(const Piece& piece, int first, int count, int group, 
                            const EdgeShape& shape, BlockMatrix& matrix, Workspace& work) {
   const BatchKernels& kernels = kernels_[static_cast<std::size_t>(piece.batch)];
   const int roles = static_cast<int>(shape.columns.size());
-  double* out[lanes];
-  for (int i = 0; i < lanes; ++i) out[i] = work.block.data() + i * nowhereSize_;
   int pair = 0;
   for (int b = 1; b < roles; ++b) {
     for (int a = 0; a < b; ++a, ++pair) {
       const int columnsA = shape.columns[static_cast<std::size_t>(a)];
       const int columnsB = shape.columns[static_cast<std::size_t>(b)];
+      double* out[lanes];
+      std::int64_t flip[lanes] = {};
+      for (int i = 0; i < lanes; ++i) {
+        out[i] = work.nowhere.data();
+        if (i >= count) continue;
+        const AssemblyPlan::Destination& destination = plan_.pairs(piece.batch, first + i)[pair];
+        if (destination.offset < 0) continue;
+        out[i] = (destination.shared ? shared_.data() : matrix.values().data()) + destination.offset;
+        flip[i] = destination.transposed ? -1 : 0;
+      }
       const auto cross =
           kernels.uniform ? kernels.crosses[static_cast<std::size_t>(pair)] : LaneProducts::cross(set_, 0, 0, 0);
       cross(panel.jacobian[a] + group * shape.rows * columnsA * lanes,
-            panel.jacobian[b] + group * shape.rows * columnsB * lanes, shape.rows, columnsA, columnsB, out);
-      for (int i = 0; i < count; ++i) {
-        const AssemblyPlan::Destination& destination = plan_.pairs(piece.batch, first + i)[pair];
-        if (destination.offset < 0) continue;
-        double* target = (destination.shared ? shared_.data() : matrix.values().data()) + destination.offset;
-        placeBlock(out[i], columnsA, columnsB, destination.transposed, target);
-      }
+            panel.jacobian[b] + group * shape.rows * columnsB * lanes, shape.rows, columnsA, columnsB, flip, out);
     }
   }
 }

@@ -36,22 +36,17 @@ class Assembler {
     std::vector<LaneProducts::Square> squares;
     std::vector<LaneProducts::Cross> crosses;
   };
-  struct Piece {
-    int batch;
-    int begin;
-    int end;
-    CostTotals totals;
-  };
-  /// Memory of one task.
+  using Piece = AssemblyPlan::Piece;
+  /// Memory of one task: panels by batch, and where numbers of fixed vertices and of lanes beyond the last edge go.
   struct Workspace {
     std::vector<PanelBuffer> panels;
-    AlignedBuffer block;  // eight edges' AᵀB
+    AlignedBuffer nowhere;
   };
 
-  void linearizePiece(const State& state, BlockMatrix& matrix, Piece& piece, Workspace& work);
-  void addTotals(const Panel& panel, int first, int count, Piece& piece) const;
-  void writeRecords(const Piece& piece, int first, int count, const Panel& panel, const EdgeShape& shape,
-                    BlockMatrix& matrix, Workspace& work);
+  CostTotals linearizePiece(const State& state, BlockMatrix& matrix, const Piece& piece, Workspace& work);
+  void addTotals(const Piece& piece, const Panel& panel, int first, int count, CostTotals& totals) const;
+  void addRecords(const Piece& piece, int first, int count, int group, const Panel& panel, const EdgeShape& shape,
+                  Workspace& work);
   void writePairs(const Piece& piece, int first, int count, int group, const Panel& panel, const EdgeShape& shape,
                   BlockMatrix& matrix, Workspace& work);
   void dropHeldColumns(const Piece& piece, int first, int count, const Panel& panel, const EdgeShape& shape) const;
@@ -63,14 +58,11 @@ class Assembler {
   int threads_ = 1;
   InstructionSet set_ = InstructionSet::generic;
   std::vector<BatchKernels> kernels_;
-  std::vector<Piece> pieces_;
+  std::vector<CostTotals> totals_;  // of each piece
   std::vector<Workspace> workspaces_;
   std::vector<std::int32_t> counting_;
   AlignedBuffer records_;
   AlignedBuffer shared_;
-  /// Where records of fixed vertices and lanes beyond the last edge go; one a task.
-  AlignedBuffer nowhere_;
-  std::int64_t nowhereSize_ = 0;
 };
 
 }  // namespace quiver

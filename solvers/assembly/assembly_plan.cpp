@@ -31,39 +31,62 @@ std::vector<std::pair<int, int>> AssemblyPlan::variablePairs(const Problem& prob
   return pairs;
 }
 
-void AssemblyPlan::placeRecords(const Problem& problem) {
-  gatherBegin_.assign(static_cast<std::size_t>(problem.variables()) + 1, 0);
+void AssemblyPlan::cutPieces(const Problem& problem) {
   for (int b = 0; b < problem.batches(); ++b) {
-    const EdgeBatch& batch = problem.batch(b);
-    Roles& roles = batches_[static_cast<std::size_t>(b)];
-    roles.firstRecord = static_cast<std::int64_t>(records_.size());
-    if (batch.uniform()) roles.perEdge = static_cast<int>(batch.largestShape().columns.size());
-    for (int i = 0; i < batch.size(); ++i) {
-      if (!batch.uniform()) {
+    const int size = problem.batch(b).size();
+    const int piece = (std::clamp(size / 32, 1024, 16384) + 15) / 16 * 16;
+    for (int begin = 0; begin < size; begin += piece)
+      pieces_.push_back({b, begin, std::min(size, begin + piece), 0, 0});
+  }
+}
+
+void AssemblyPlan::placeRecords(const Problem& problem) {
+  cutPieces(problem);
+  for (int b = 0; b < problem.batches(); ++b) {
+    if (problem.batch(b).uniform())
+      batches_[static_cast<std::size_t>(b)].perEdge = static_cast<int>(problem.batch(b).largestShape().columns.size());
+  }
+  std::vector<int> lastPiece(static_cast<std::size_t>(problem.variables()), -1);
+  std::vector<std::int64_t> lastRecord(lastPiece.size(), -1);
+  std::vector<std::pair<int, std::int64_t>> owners;  // variable and record, in the order of pieces
+  for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    Piece& piece = pieces_[p];
+    const EdgeBatch& batch = problem.batch(piece.batch);
+    Roles& roles = batches_[static_cast<std::size_t>(piece.batch)];
+    if (piece.begin == 0) roles.firstRecord = static_cast<std::int64_t>(records_.size());
+    piece.recordBegin = recordNumbers_;
+    for (int i = piece.begin; i < piece.end; ++i) {
+      if (roles.perEdge < 0)
         roles.recordBegin.push_back(static_cast<std::int64_t>(records_.size()) - roles.firstRecord);
-      }
       for (const std::int32_t slot : batch.slots(i)) {
         const int variable = problem.variableOfSlot(slot);
-        records_.push_back(variable < 0 ? -1 : recordNumbers_);
-        if (variable < 0) continue;
-        recordNumbers_ += (LaneProducts::squareSize(problem.dimension(variable)) + 7) / 8 * 8;
-        ++gatherBegin_[static_cast<std::size_t>(variable) + 1];
+        if (variable < 0) {
+          records_.push_back(-1);
+          continue;
+        }
+        const auto v = static_cast<std::size_t>(variable);
+        if (lastPiece[v] != static_cast<int>(p)) {
+          lastPiece[v] = static_cast<int>(p);
+          lastRecord[v] = recordNumbers_;
+          recordNumbers_ += LaneProducts::paddedSize(problem.dimension(variable));
+          owners.emplace_back(variable, lastRecord[v]);
+        }
+        records_.push_back(lastRecord[v]);
       }
     }
+    piece.recordEnd = recordNumbers_;
   }
+  gatherRecords(problem, owners);
+}
+
+void AssemblyPlan::gatherRecords(const Problem& problem, const std::vector<std::pair<int, std::int64_t>>& owners) {
+  gatherBegin_.assign(static_cast<std::size_t>(problem.variables()) + 1, 0);
+  for (const auto& [variable, record] : owners) ++gatherBegin_[static_cast<std::size_t>(variable) + 1];
   for (std::size_t v = 1; v < gatherBegin_.size(); ++v) gatherBegin_[v] += gatherBegin_[v - 1];
-  gather_.resize(static_cast<std::size_t>(gatherBegin_.back()));
+  gather_.resize(owners.size());
   std::vector<std::int64_t> next(gatherBegin_.begin(), gatherBegin_.end() - 1);
-  std::size_t at = 0;
-  for (int b = 0; b < problem.batches(); ++b) {
-    const EdgeBatch& batch = problem.batch(b);
-    for (int i = 0; i < batch.size(); ++i) {
-      for (const std::int32_t slot : batch.slots(i)) {
-        const std::int64_t record = records_[at++];
-        if (record >= 0)
-          gather_[static_cast<std::size_t>(next[static_cast<std::size_t>(problem.variableOfSlot(slot))]++)] = record;
-      }
-    }
+  for (const auto& [variable, record] : owners) {
+    gather_[static_cast<std::size_t>(next[static_cast<std::size_t>(variable)]++)] = record;
   }
 }
 

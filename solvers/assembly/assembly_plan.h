@@ -10,9 +10,11 @@ namespace quiver {
 
 /// Where the numbers of every edge's linearisation go: structure of the assembly of H and g, made once.
 ///
-/// An edge contributes one record a free role (the upper triangle of JᵀJ and Jᵀr of that role) and one block a pair of
-/// free roles (AᵀB). Records are added vertex by vertex in the order of batches, edges and roles. A block that only one
-/// edge writes goes straight to H; blocks that several edges share are added in the same order.
+/// Edges are cut into pieces, whose number depends on the problem alone. In a piece, every vertex that its edges touch
+/// has one record (the upper triangle of Σ JᵀJ and Σ Jᵀr over the piece's edges, added edge by edge); afterwards every
+/// vertex adds its records in the order of pieces. So there are hardly more records than vertices, and they stay in the
+/// cache while a piece is worked on. A pair of free roles gives one block AᵀB: a block that only one edge writes goes
+/// straight to H; blocks that several edges share are added in the order of edges.
 class AssemblyPlan {
  public:
   AssemblyPlan() = default;
@@ -21,6 +23,16 @@ class AssemblyPlan {
 
   /// Pairs of variables that edges join, for the pattern of H.
   static std::vector<std::pair<int, int>> variablePairs(const Problem& problem);
+
+  /// A run of edges of one batch, the unit of parallel work, and the range of the record memory that is its own.
+  struct Piece {
+    int batch;
+    int begin;
+    int end;
+    std::int64_t recordBegin;
+    std::int64_t recordEnd;
+  };
+  const std::vector<Piece>& pieces() const { return pieces_; }
 
   /// The record of role `role` of edge i of batch b starts at number recordBegin(b, i, role) of the record memory; −1
   /// for a fixed vertex.
@@ -73,10 +85,13 @@ class AssemblyPlan {
                           : pairBegin[static_cast<std::size_t>(edge)];
     }
   };
+  void cutPieces(const Problem& problem);
   void placeRecords(const Problem& problem);
+  void gatherRecords(const Problem& problem, const std::vector<std::pair<int, std::int64_t>>& owners);
   void placePairs(const Problem& problem, const BlockMatrix& matrix, const std::vector<int>& position);
   void shareBlocks(const BlockMatrix& matrix, const std::vector<std::int64_t>& entryOfPair);
 
+  std::vector<Piece> pieces_;
   std::vector<Roles> batches_;
   std::vector<std::int64_t> records_;
   std::int64_t recordNumbers_ = 0;

@@ -6,8 +6,8 @@
 namespace quiver {
 namespace {
 
+using detail::addRecords;
 using detail::loadLanes;
-using detail::storeLanes;
 using detail::storeRecords;
 
 constexpr int width = 8;
@@ -16,7 +16,8 @@ constexpr int width = 8;
 template <typename L, int N, int D>
 inline void squareFixed(const double* J, const double* residual, double* const* out) {
   constexpr int triangle = D * (D + 1) / 2;
-  L result[triangle + D];
+  constexpr int padded = LaneProducts::paddedSize(D);
+  L result[padded];
   L r[N];
   for (int k = 0; k < N; ++k) loadLanes(residual + k * width, r[k]);
   L column[N * D];
@@ -31,11 +32,12 @@ inline void squareFixed(const double* J, const double* residual, double* const* 
     for (int k = 1; k < N; ++k) sum += column[a * N + k] * r[k];
     result[triangle + a] = sum;
   }
-  storeRecords<triangle + D>(result, out);
+  for (int k = triangle + D; k < padded; ++k) result[k] = L(0.0);
+  addRecords<padded>(result, out);
 }
 
 template <typename L, int N, int Da, int Db>
-inline void crossFixed(const double* A, const double* B, double* const* out) {
+inline void crossFixed(const double* A, const double* B, const std::int64_t* flip, double* const* out) {
   L result[Da * Db];
   L a[N * Da];
   for (int k = 0; k < N * Da; ++k) loadLanes(A + k * width, a[k]);
@@ -48,7 +50,11 @@ inline void crossFixed(const double* A, const double* B, double* const* out) {
       result[j * Da + i] = sum;
     }
   }
-  storeRecords<Da * Db>(result, out);
+  typename L::Mask flipped;
+  for (int i = 0; i < width; ++i) flipped.v[i] = flip[i];
+  L placed[Da * Db];
+  for (int k = 0; k < Da * Db; ++k) placed[k] = select(flipped, result[k % Db * Da + k / Db], result[k]);
+  storeRecords<Da * Db>(placed, out);
 }
 
 /// Σ over k of x[k] y[k], columns of `rows` lane vectors.
@@ -73,22 +79,22 @@ inline void squareAny(const double* J, const double* residual, int rows, int col
   for (int a = 0; a < columns; ++a) {
     for (int b = a; b < columns; ++b, ++at) {
       const L sum = dot<L>(J + a * rows * width, J + b * rows * width, rows);
-      for (int i = 0; i < width; ++i) out[i][at] = sum.v[i];
+      for (int i = 0; i < width; ++i) out[i][at] += sum.v[i];
     }
   }
   for (int a = 0; a < columns; ++a, ++at) {
     const L sum = dot<L>(J + a * rows * width, residual, rows);
-    for (int i = 0; i < width; ++i) out[i][at] = sum.v[i];
+    for (int i = 0; i < width; ++i) out[i][at] += sum.v[i];
   }
 }
 
 template <typename L>
-inline void crossAny(const double* A, const double* B, int rows, int columnsA, int columnsB, double* const* out) {
-  int at = 0;
+inline void crossAny(const double* A, const double* B, int rows, int columnsA, int columnsB, const std::int64_t* flip,
+                     double* const* out) {
   for (int b = 0; b < columnsB; ++b) {
-    for (int a = 0; a < columnsA; ++a, ++at) {
+    for (int a = 0; a < columnsA; ++a) {
       const L sum = dot<L>(A + a * rows * width, B + b * rows * width, rows);
-      for (int i = 0; i < width; ++i) out[i][at] = sum.v[i];
+      for (int i = 0; i < width; ++i) out[i][flip[i] != 0 ? a * columnsB + b : b * columnsA + a] = sum.v[i];
     }
   }
 }
@@ -102,16 +108,17 @@ inline void crossAny(const double* A, const double* B, int rows, int columnsA, i
       squareFixed<L, N, D>(J, residual, out);                                                               \
     }                                                                                                       \
     template <int N, int Da, int Db>                                                                        \
-    ATTRIBUTE static void cross(const double* A, const double* B, int, int, int, double* const* out) {      \
-      crossFixed<L, N, Da, Db>(A, B, out);                                                                  \
+    ATTRIBUTE static void cross(const double* A, const double* B, int, int, int, const std::int64_t* flip,  \
+                                double* const* out) {                                                       \
+      crossFixed<L, N, Da, Db>(A, B, flip, out);                                                            \
     }                                                                                                       \
     ATTRIBUTE static void squareLoop(const double* J, const double* residual, int rows, int columns,        \
                                      double* const* out) {                                                  \
       squareAny<L>(J, residual, rows, columns, out);                                                        \
     }                                                                                                       \
     ATTRIBUTE static void crossLoop(const double* A, const double* B, int rows, int columnsA, int columnsB, \
-                                    double* const* out) {                                                   \
-      crossAny<L>(A, B, rows, columnsA, columnsB, out);                                                     \
+                                    const std::int64_t* flip, double* const* out) {                         \
+      crossAny<L>(A, B, rows, columnsA, columnsB, flip, out);                                               \
     }                                                                                                       \
   };
 QUIVER_LANE_PRODUCTS(Avx512Products, isa::Avx512, QUIVER_BATCH_LOOP_AVX512)

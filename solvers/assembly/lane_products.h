@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include <quiver/geometry/scalar/isa.h>
 
 namespace quiver {
@@ -11,10 +13,13 @@ namespace quiver {
 /// A block is `rows` × `columns`, column-major in lanes (Panel's layout, at the group's first number).
 class LaneProducts {
  public:
-  /// Packs for every edge i the upper triangle of JᵀJ, row by row, then Jᵀr, to out[i].
+  /// Adds for every edge i the upper triangle of JᵀJ, row by row, then Jᵀr, to out[i], edge after edge; out[i] has
+  /// paddedSize(columns) numbers, and several edges may share one.
   using Square = void (*)(const double* J, const double* residual, int rows, int columns, double* const* out);
-  /// Packs for every edge i the columnsA × columnsB block AᵀB, column-major, to out[i].
-  using Cross = void (*)(const double* A, const double* B, int rows, int columnsA, int columnsB, double* const* out);
+  /// Writes for every edge i the columnsA × columnsB block AᵀB, or its transpose where flip[i] is −1 and not 0,
+  /// column-major to out[i].
+  using Cross = void (*)(const double* A, const double* B, int rows, int columnsA, int columnsB,
+                         const std::int64_t* flip, double* const* out);
 
   /// Kernels for a size on an instruction set that the machine has.
   static Square square(InstructionSet set, int rows, int columns);
@@ -22,6 +27,7 @@ class LaneProducts {
 
   /// Numbers that `Square` packs for one edge.
   static constexpr int squareSize(int columns) { return columns * (columns + 1) / 2 + columns; }
+  static constexpr int paddedSize(int columns) { return (squareSize(columns) + 7) / 8 * 8; }
 };
 
 }  // namespace quiver
