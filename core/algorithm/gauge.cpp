@@ -114,12 +114,18 @@ std::vector<double> slotGenerators(const Problem& problem, std::vector<std::int6
   return all;
 }
 
-/// Adds one edge's J G to its component.
+/// Adds one edge's J G to its component. `scratch` is memory for twice rows × padded numbers; rows of eight, of which
+/// seven count, so that the innermost loops run over whole vectors.
 void addEdge(const Problem& problem, const EdgeBatch& batch, int edge, int place, const EdgeShape& shape,
              const Panel& panel, const std::vector<std::int64_t>& begin, const std::vector<double>& generators,
-             const std::vector<int>& componentOf, std::vector<Products>& products) {
+             const std::vector<int>& componentOf, std::vector<double>& scratch, std::vector<Products>& products) {
+  constexpr int padded = 8;
+  static_assert(gaugeDirections <= padded);
   const auto slots = batch.slots(edge);
-  Eigen::Matrix<double, Eigen::Dynamic, gaugeDirections> moved = Eigen::MatrixXd::Zero(shape.rows, gaugeDirections);
+  const auto numbers = static_cast<std::size_t>(shape.rows * padded);
+  scratch.assign(2 * numbers, 0.0);
+  double* moved = scratch.data();
+  double* part = moved + numbers;
   Products* target = nullptr;
   for (std::size_t role = 0; role < slots.size(); ++role) {
     const std::int64_t at = begin[static_cast<std::size_t>(slots[role])];
@@ -127,20 +133,32 @@ void addEdge(const Problem& problem, const EdgeBatch& batch, int edge, int place
     target =
         &products[static_cast<std::size_t>(componentOf[static_cast<std::size_t>(problem.variableOfSlot(slots[role]))])];
     const int columns = shape.columns[role];
-    for (int k = 0; k < gaugeDirections; ++k) {
+    const double* J = panel.jacobian[role] + std::int64_t{place / Panel::lanes} * columns * shape.rows * Panel::lanes +
+                      place % Panel::lanes;
+    std::fill_n(part, numbers, 0.0);
+    for (int c = 0; c < columns; ++c) {
+      double g[padded] = {};
+      std::copy_n(generators.data() + at + c * gaugeDirections, static_cast<int>(gaugeDirections), g);
       for (int r = 0; r < shape.rows; ++r) {
-        double sum = 0.0;
-        for (int c = 0; c < columns; ++c) {
-          sum += panel.jacobian[role][((place / Panel::lanes * columns + c) * shape.rows + r) * Panel::lanes +
-                                      place % Panel::lanes] *
-                 generators[static_cast<std::size_t>(at + c * gaugeDirections + k)];
-        }
-        moved(r, k) += sum;
-        target->scale[k] += sum * sum;
+        const double j = J[(c * shape.rows + r) * Panel::lanes];
+        for (int k = 0; k < padded; ++k) part[r * padded + k] += j * g[k];
+      }
+    }
+    for (int r = 0; r < shape.rows; ++r) {
+      for (int k = 0; k < gaugeDirections; ++k) {
+        const double value = part[r * padded + k];
+        moved[r * padded + k] += value;
+        target->scale[k] += value * value;
       }
     }
   }
-  if (target) target->square += moved.transpose() * moved;
+  if (!target) return;
+  for (int r = 0; r < shape.rows; ++r) {
+    const double* row = moved + r * padded;
+    for (int a = 0; a < gaugeDirections; ++a) {
+      for (int b = 0; b < gaugeDirections; ++b) target->square(b, a) += row[a] * row[b];
+    }
+  }
 }
 
 /// Adds one vertex's GᵀG to its component.
@@ -194,6 +212,7 @@ std::vector<ComponentGauge> findGauges(const Problem& problem) {
               products[static_cast<std::size_t>(componentOf[static_cast<std::size_t>(variable)])]);
   }
   std::vector<std::int32_t> ids(Panel::capacity);
+  std::vector<double> scratch;
   for (int b = 0; b < problem.batches(); ++b) {
     const EdgeBatch& batch = problem.batch(b);
     PanelBuffer buffer(batch.largestShape());
@@ -204,7 +223,7 @@ std::vector<ComponentGauge> findGauges(const Problem& problem) {
       batch.linearize(problem.state(), {ids.data(), static_cast<std::size_t>(count)}, buffer.panel());
       const EdgeShape shape = batch.shape(first);
       for (int i = 0; i < count; ++i)
-        addEdge(problem, batch, first + i, i, shape, buffer.panel(), begin, generators, componentOf, products);
+        addEdge(problem, batch, first + i, i, shape, buffer.panel(), begin, generators, componentOf, scratch, products);
     }
   }
   for (std::size_t i = 0; i < gauges.size(); ++i) {
