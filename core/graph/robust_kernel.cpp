@@ -26,8 +26,10 @@ RobustValue cauchy(double e, double width, double) {
 RobustValue tukey(double e, double width, double) {
   const double square = width * width;
   if (e > square) return {square / 3.0, 0.0, 0.0};
-  const double rest = 1.0 - e / square;
-  return {square / 3.0 * (1.0 - rest * rest * rest), rest * rest, -2.0 * rest / square};
+  const double ratio = e / square;
+  const double rest = 1.0 - ratio;
+  // δ²/3 (1 − (1 − r)³) without its cancellation.
+  return {e * (1.0 - ratio * (1.0 - ratio / 3.0)), rest * rest, -2.0 * rest / square};
 }
 
 constexpr RobustKernelType huberType{"Huber", huber,

@@ -114,15 +114,27 @@ class Conformance {
   void checkVertexType(const VertexType& type) {
     Graph graph(registry_);
     for (int draw = 0; draw < options_.draws; ++draw) {
-      Vertex& vertex = makeVertex(graph, type, 2 * draw);
-      Vertex& other = graph.addVertex(type, 2 * draw + 1);
+      Vertex& vertex = makeVertex(graph, type, 3 * draw);
+      Vertex& other = graph.addVertex(type, 3 * draw + 1);
+      Vertex& third = graph.addVertex(type, 3 * draw + 2);
       checkRoundTrip(type, vertex, other, true);
-      const int count = type.valueCount(vertex);
-      expect(type.valueCount(other) == count &&
-                 std::equal(type.values(vertex), type.values(vertex) + count, type.values(other)),
-             type, "round trip", "the estimate changes");
+      checkRoundTrip(type, other, third, true);
+      checkEstimates(type, vertex, other, third);
       checkStep(type, vertex);
     }
+  }
+
+  /// What was read once reads again to the same bits. The first time, a type that stores other numbers than it writes
+  /// (angles for a quaternion) may round, and the sign of numbers that stand for the same may change.
+  void checkEstimates(const VertexType& type, const Vertex& made, const Vertex& read, const Vertex& again) {
+    constexpr double rounding = 1e-12;
+    const int count = type.valueCount(made);
+    bool same = type.valueCount(read) == count && type.valueCount(again) == count;
+    for (int i = 0; same && i < count; ++i) {
+      const double x = type.values(made)[i], y = type.values(read)[i];
+      same = std::abs(std::abs(x) - std::abs(y)) <= rounding * std::max(1.0, std::abs(x)) && y == type.values(again)[i];
+    }
+    expect(same, type, "round trip", "the estimate changes");
   }
 
   void checkStep(const VertexType& type, const Vertex& vertex) {
@@ -181,17 +193,13 @@ class Conformance {
       const int extra = type.variableArity() ? draw % 3 : 0;
       std::vector<std::int64_t> vertices, parameters;
       for (int role = 0; role < type.arity() + extra; ++role) {
-        const VertexType* vertex = registry_->findVertexTypeByName(type.vertexTypeName(role));
-        expect(vertex != nullptr, type, "roles",
-               fmt::format("the vertex type of role {} is not registered: {}", role, type.vertexTypeName(role)));
-        if (!vertex) return;
-        vertices.push_back(makeVertex(graph, *vertex, nextVertex++).id());
+        // The registry refuses edges whose vertex and parameter types it does not know.
+        const VertexType& vertex = *registry_->findVertexTypeByName(type.vertexTypeName(role));
+        vertices.push_back(makeVertex(graph, vertex, nextVertex++).id());
       }
       for (const std::string_view name : type.parameterTypeNames()) {
-        const ParameterType* parameter = registry_->findParameterTypeByName(name);
-        expect(parameter != nullptr, type, "roles", fmt::format("the parameter type {} is not registered", name));
-        if (!parameter) return;
-        readRandom(*parameter, graph.addParameter(*parameter, nextParameter), 1);
+        const ParameterType& parameter = *registry_->findParameterTypeByName(name);
+        readRandom(parameter, graph.addParameter(parameter, nextParameter), 1);
         parameters.push_back(nextParameter++);
       }
       Edge& edge = graph.addEdge(type, vertices, parameters);

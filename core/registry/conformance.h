@@ -12,7 +12,7 @@ namespace quiver {
 /// A promise that a type breaks.
 struct ConformanceFinding {
   std::string tag;
-  /// "jacobians", "oplus", "fields", "round trip", "roles".
+  /// "jacobians", "oplus", "fields", "round trip".
   std::string check;
   std::string message;
 };

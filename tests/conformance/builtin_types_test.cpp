@@ -29,7 +29,7 @@ std::map<std::string, std::uint32_t> invariances(const ConformanceReport& report
 TEST(BuiltinTypes, PlanarOnesConform) {
   const ConformanceReport report = check(registerSlam2d);
   EXPECT_TRUE(report.passed()) << report.describe();
-  EXPECT_EQ(report.types, 21);
+  EXPECT_EQ(report.types, 23);
 }
 
 TEST(BuiltinTypes, SpatialOnesConform) {
