@@ -1,6 +1,9 @@
 #include <quiver/plugins/builtin.h>
 
 #include <quiver/core/graph/robust_kernels.h>
+#include <quiver/initialization/automatic.h>
+#include <quiver/initialization/chordal.h>
+#include <quiver/initialization/spanning_tree.h>
 #include <quiver/solvers/backends/block_solver.h>
 #include <quiver/solvers/backends/dense_solver.h>
 #include <quiver/solvers/backends/eigen_solver.h>
@@ -30,7 +33,18 @@ void registerLinearSystems(Registry& registry) {
                   makeEigenSolver);
 }
 
-void registerInitializers(Registry&) {}
+void registerInitializers(Registry& registry) {
+  registry.addInitializer("auto",
+                          "The file's estimates where every vertex has one, else a tree; chordal where its chi2 is "
+                          "lower.",
+                          automaticEstimate);
+  registry.addInitializer("tree", "Dead reckoning along the paths that accumulate the least variance.",
+                          spanningTreeEstimate);
+  registry.addInitializer("odometry", "Dead reckoning along edges between consecutive ids.", odometryEstimate);
+  registry.addInitializer("chordal",
+                          "Rotations as free matrices by a linear problem, then translations by another; poses only.",
+                          chordalEstimate);
+}
 
 std::shared_ptr<Registry> builtinRegistry() {
   auto registry = std::make_shared<Registry>();

@@ -1,0 +1,53 @@
+#include <quiver/apps/optimize/progress.h>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace quiver::app {
+
+Progress::Progress(std::FILE* stream) : stream_(stream), terminal_(stream && isatty(fileno(stream)) != 0) {}
+
+void Progress::iteration(const IterationReport& report) {
+  if (!stream_) return;
+  if (terminal_) {
+    // Back to the first column, and clear what the last line leaves behind.
+    fmt::print(stream_, "\r\x1b[Kiteration {}  chi2 {:.9g}  {:.1f} ms", report.iteration, report.chi2,
+               report.seconds.total * 1e3);
+  } else {
+    if (!begun_) fmt::print(stream_, "{}\n", iterationHeading());
+    fmt::print(stream_, "{}\n", iterationLine(report));
+  }
+  begun_ = true;
+  std::fflush(stream_);
+}
+
+void Progress::finish(const Summary& summary) {
+  if (!stream_) return;
+  if (terminal_ && begun_) {
+    fmt::print(stream_, "\r\x1b[K{}\n", iterationHeading());
+    for (const IterationReport& report : summary.iterations) fmt::print(stream_, "{}\n", iterationLine(report));
+  }
+  fmt::print(stream_, "{}", closingText(summary));
+  std::fflush(stream_);
+}
+
+std::string closingText(const Summary& summary) {
+  const SolvePlan& plan = summary.plan;
+  std::string text;
+  if (!plan.algorithm.empty()) {
+    text += fmt::format("algorithm {} ({}), linear solver {}, ordering {}, {} thread{}\n", plan.algorithm,
+                        plan.algorithmReason, plan.linearSolver, plan.ordering.empty() ? "none" : plan.ordering,
+                        summary.threads, summary.threads == 1 ? "" : "s");
+  }
+  if (!summary.gauge.reason.empty()) text += fmt::format("gauge: {}\n", summary.gauge.reason);
+  if (!summary.isolated.empty()) {
+    text += fmt::format("{} {} no edge touches left as they are (the first is {})\n", summary.isolated.size(),
+                        summary.isolated.size() == 1 ? "vertex that" : "vertices that", summary.isolated.front());
+  }
+  text += fmt::format("{}: {}\n", toString(summary.status), summary.reason);
+  text += fmt::format("chi2 {:.10g} -> {:.10g} with {} free vertices and {} edges in {:.3f} s\n", summary.initialChi2,
+                      summary.finalChi2, summary.variables, summary.edges, summary.seconds.total);
+  return text;
+}
+
+}  // namespace quiver::app

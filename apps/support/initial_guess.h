@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include <quiver/core/algorithm/options.h>
+#include <quiver/core/graph/graph.h>
+
+namespace quiver::app {
+
+/// Where an optimisation starts.
+struct InitialGuess {
+  /// "file", or the initialiser's name.
+  std::string name;
+  /// A sentence: why this one, or what it did.
+  std::string reason;
+};
+
+/// Throws UsageError unless `name` is "file" or an initialiser of the registry.
+void checkInitialGuess(const std::string& name, const Registry& registry);
+
+/// Gives every vertex an estimate, or throws GraphError naming the first vertex without one and their number. "auto" is
+/// automaticStart().
+InitialGuess makeInitialGuess(Graph& graph, const std::string& name, const Options& options);
+
+/// The number of vertices without an estimate.
+std::int64_t verticesWithoutEstimate(const Graph& graph);
+
+}  // namespace quiver::app

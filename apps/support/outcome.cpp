@@ -1,0 +1,54 @@
+#include <quiver/apps/support/outcome.h>
+
+#include <cstdio>
+#include <new>
+
+#include <fmt/format.h>
+
+namespace quiver::app {
+namespace {
+
+int report(const char* message, ExitCode code) {
+  fmt::print(stderr, "{}\n", message);
+  return code;
+}
+
+}  // namespace
+
+ExitCode exitCodeOf(Status status) {
+  switch (status) {
+    case Status::converged:
+    case Status::iterationLimit:
+    case Status::stalled:
+    case Status::nothingToOptimise:
+      return exitSuccess;
+    case Status::timeLimit:
+    case Status::interrupted:
+      return exitInterrupted;
+    case Status::numericalFailure:
+      return exitNumericalFailure;
+  }
+  return exitInternal;
+}
+
+int reportCurrentException() {
+  try {
+    throw;
+  } catch (const UsageError& error) {
+    return report(error.what(), exitUsage);
+  } catch (const OutputError& error) {
+    return report(error.what(), exitOutput);
+  } catch (const LogicError& error) {
+    fmt::print(stderr, "quiver has a defect, please report it: {}\n", error.what());
+    return exitInternal;
+  } catch (const Error& error) {
+    return report(error.what(), exitBadInput);
+  } catch (const std::bad_alloc&) {
+    return report("out of memory", exitNumericalFailure);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "quiver has a defect, please report it: {}\n", error.what());
+    return exitInternal;
+  }
+}
+
+}  // namespace quiver::app
