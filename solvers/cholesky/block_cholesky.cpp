@@ -41,7 +41,7 @@ void BlockCholesky::analyze(std::shared_ptr<const BlockPattern> pattern, int thr
   reserve(values_, plan_.valueCount + 8);
   reserve(inverse_, pattern_->layout().scalars());
   reserve(arena_, plan_.arenaCount + 8);
-  reserve(workspace_, plan_.workspaceCount);
+  reserve(workspace_, plan_.workspaceCount + 8);
   reserve(x_, pattern_->layout().scalars());
   failures_.assign(plan_.schedule.tasks.size(), {});
 }

@@ -131,7 +131,7 @@ TEST_P(LinearSolverTest, solvesSeveralRightHandSides) {
     for (int c = 0; c < count; ++c) b.col(c) = randomVector(dense.rows(), random_);
     Eigen::MatrixXd x = b;
     ASSERT_TRUE(solver->solve(spanOf(x), count).ok());
-    expectSolution(dense, b, x, std::to_string(count));
+    if (count > 0) expectSolution(dense, b, x, std::to_string(count));
   }
 }
 
