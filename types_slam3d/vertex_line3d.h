@@ -43,8 +43,12 @@ struct OrthonormalLine {
 inline Vector<double, 6> normalizedLine(Vector<double, 6> line) {
   const double square = line.tail<3>().squaredNorm();
   if (std::abs(square - 1.0) > 1e-14) line /= std::sqrt(square);
-  const double along = line.head<3>().dot(line.tail<3>());
-  if (std::abs(along) > 1e-14 * line.head<3>().norm()) line.head<3>() -= along * line.tail<3>();
+  // Where w is nearly along d, what is left of it needs a second pass.
+  for (int pass = 0; pass < 3; ++pass) {
+    const double along = line.head<3>().dot(line.tail<3>());
+    if (std::abs(along) <= 1e-14 * line.head<3>().norm()) break;
+    line.head<3>() -= along * line.tail<3>();
+  }
   return line;
 }
 

@@ -28,6 +28,8 @@ struct JacobianComparison {
   std::string tag;
   EdgeForm form;
   std::int64_t edges = 0;
+  /// Columns that were left out since the error jumps within the step, as an angle does at ±π.
+  std::int64_t jumps = 0;
   JacobianEntry worst;
 };
 

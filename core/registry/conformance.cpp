@@ -158,7 +158,7 @@ class Conformance {
     checkDirections(type, x, dimension);
   }
 
-  /// The derivative of x ⊞ δ at 0 has independent columns.
+  /// The derivative of x ⊞ δ at 0 has independent columns, whatever their lengths.
   void checkDirections(const VertexType& type, const std::vector<double>& x, int dimension) {
     constexpr double step = 1e-6, least = 1e-4;
     Eigen::MatrixXd J(static_cast<Eigen::Index>(x.size()), dimension);
@@ -170,6 +170,7 @@ class Conformance {
       type.retract(x.data(), delta.data(), backward.data(), dimension);
       delta[c] = 0.0;
       J.col(c) = (forward - backward) / (2.0 * step);
+      J.col(c) /= std::max(J.col(c).norm(), std::numeric_limits<double>::min());
     }
     const Eigen::VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXd>(J).singularValues();
     expect(J.allFinite() && singular[dimension - 1] > least * singular[0], type, "oplus",

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <quiver/core/algorithm/check_jacobians.h>
 #include <quiver/core/registry/conformance.h>
 
 namespace quiver {
@@ -62,6 +63,26 @@ TEST(Conformance, NamesBrokenPromises) {
   EXPECT_EQ(findings(registry, "WRONG_EDGE"), "jacobians;");
   registry->addVertex<BluntPoint>("BLUNT_POINT");
   EXPECT_EQ(findings(registry, "BLUNT_POINT"), "fields;round trip;");
+}
+
+/// Its first error jumps by 2 where x passes z.
+class JumpingEdge : public BaseEdge<JumpingEdge, 2, Point, GoodPoint> {
+ public:
+  static Point computeError(const Point& z, const Point& x) { return Point(x[0] > z[0] ? 1.0 : -1.0, 2.0 * x[1]); }
+  static void linearizeOplus(const Point&, const Point&, Matrix<double, 2, 2>& J) { J << 0.0, 0.0, 0.0, 2.0; }
+};
+
+TEST(JacobianCheck, LeavesOutWhereTheErrorJumps) {
+  auto registry = std::make_shared<Registry>();
+  registry->addVertex<GoodPoint>("GOOD_POINT");
+  registry->addEdge<JumpingEdge>("JUMPING_EDGE");
+  Graph graph(registry);
+  graph.addVertex<GoodPoint>(0, Point(0.0, 0.0));
+  graph.addEdge<JumpingEdge>({0}, Point(1e-6, 0.0), Matrix<double, 2, 2>::Identity());
+  const JacobianReport report = checkJacobians(graph);
+  ASSERT_EQ(report.types.size(), 1u);
+  EXPECT_EQ(report.types[0].jumps, 1);
+  EXPECT_LT(report.worstDeviation(), 1e-9) << report.describe();
 }
 
 TEST(Conformance, ReportsWhatItSaw) {

@@ -14,6 +14,8 @@ constexpr std::uint32_t planar = bit(gaugeX) | bit(gaugeY) | bit(gaugeYaw);
 constexpr std::uint32_t translations = bit(gaugeX) | bit(gaugeY) | bit(gaugeZ);
 constexpr std::uint32_t rigid = translations | bit(gaugeRoll) | bit(gaugePitch) | bit(gaugeYaw);
 
+constexpr std::uint64_t seeds = 10;
+
 ConformanceReport check(void (*fill)(Registry&), ConformanceOptions options = {}) {
   auto registry = std::make_shared<Registry>();
   fill(*registry);
@@ -27,17 +29,24 @@ std::map<std::string, std::uint32_t> invariances(const ConformanceReport& report
 }
 
 TEST(BuiltinTypes, PlanarOnesConform) {
-  const ConformanceReport report = check(registerSlam2d);
-  EXPECT_TRUE(report.passed()) << report.describe();
-  EXPECT_EQ(report.types, 23);
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    ConformanceOptions options;
+    options.seed = seed;
+    const ConformanceReport report = check(registerSlam2d, options);
+    EXPECT_TRUE(report.passed()) << report.describe();
+    EXPECT_EQ(report.types, 23);
+  }
 }
 
 TEST(BuiltinTypes, SpatialOnesConform) {
-  ConformanceOptions options;
-  options.approximateJacobians = {"EDGE_SE3:LOG_APPROXIMATE"};
-  const ConformanceReport report = check(registerSlam3d, options);
-  EXPECT_TRUE(report.passed()) << report.describe();
-  EXPECT_EQ(report.types, 25);
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    ConformanceOptions options;
+    options.seed = seed;
+    options.approximateJacobians = {"EDGE_SE3:LOG_APPROXIMATE"};
+    const ConformanceReport report = check(registerSlam3d, options);
+    EXPECT_TRUE(report.passed()) << report.describe();
+    EXPECT_EQ(report.types, 25);
+  }
 }
 
 TEST(BuiltinTypes, PlanarMeasurementsFollowTheWorld) {
