@@ -64,8 +64,8 @@ class LogarithmicEdge : public BaseEdge<Edge, 6, SE3<double>, VertexSE3, VertexS
 /// The pose-graph edge of the SLAM lectures: e = ln(Z⁻¹ X₁⁻¹ X₂)ᵛ as (ρ, φ), with the exact inverse right Jacobian.
 class EdgeSE3Log : public detail::LogarithmicEdge<EdgeSE3Log, true> {};
 
-/// The same error with J_r⁻¹ ≈ I + ½ [φ^ ρ^; 0 φ^], right to first order in e: to compare. It converges to the same
-/// optimum, more slowly where residuals are large; its Jacobian is not the error's derivative.
+/// The same error with J_r⁻¹ ≈ I + ½ [φ^ ρ^; 0 φ^], right to first order in e: to compare. Its Jacobian is not the
+/// error's derivative, so the point it converges to differs from the optimum by terms of second order in the residuals.
 class EdgeSE3LogApproximate : public detail::LogarithmicEdge<EdgeSE3LogApproximate, false> {};
 
 }  // namespace quiver
