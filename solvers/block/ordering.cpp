@@ -14,15 +14,6 @@
 namespace quiver {
 namespace {
 
-constexpr double minimumDissectionFlops = 1e8;
-constexpr double minimumDissectionIntensity = 150.0;
-#ifdef QUIVER_METIS
-constexpr int dissectionSeed = 2;
-/// Thousandths by which the larger half may exceed its share. Pose graphs have narrow places off the middle: twice METIS's default saves
-/// about a tenth of the multiplications.
-constexpr int dissectionImbalance = 400;
-#endif
-
 /// An order composed with a postorder of its elimination tree: the same factor, subtrees contiguous.
 std::vector<int> postordered(const BlockGraph& graph, const std::vector<int>& order) {
   const EliminationTree tree(graph, order);
@@ -58,6 +49,14 @@ std::vector<int> minimumDegree(const BlockGraph& graph) {
   return {permutation.indices().data(), permutation.indices().data() + count};
 }
 
+#ifdef QUIVER_METIS
+constexpr double minimumDissectionFlops = 1e8;
+constexpr double minimumDissectionIntensity = 150.0;
+constexpr int dissectionSeed = 2;
+/// Thousandths by which the larger half may exceed its share. Pose graphs have narrow places off the middle: twice
+/// METIS's default saves about a tenth of the multiplications.
+constexpr int dissectionImbalance = 400;
+
 FactorSize sizeOf(const BlockGraph& graph, const BlockPattern& pattern, const std::vector<int>& order) {
   const EliminationTree tree(graph, order);
   std::vector<int> dimensions;
@@ -66,7 +65,6 @@ FactorSize sizeOf(const BlockGraph& graph, const BlockPattern& pattern, const st
   return factorSize(dimensions, belowScalars(graph, order, tree, pattern.layout()));
 }
 
-#ifdef QUIVER_METIS
 std::vector<int> dissection(const BlockGraph& graph, const BlockLayout& layout) {
   auto count = static_cast<idx_t>(graph.blocks());
   std::vector<idx_t> starts(graph.starts.begin(), graph.starts.end());
