@@ -166,6 +166,7 @@ void addSolverFlags(CLI::App& command, Flags& flags) {
   command.add_option("--fix", flags.fix, "Vertices to hold fixed, beside the file's FIX lines")
       ->type_name("ID[,ID...]")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::NonNegativeNumber.description(""));
   static const std::map<std::string, GaugePolicy> policies{
       {"auto", GaugePolicy::automatic}, {"fix", GaugePolicy::fix}, {"free", GaugePolicy::free}};

@@ -42,6 +42,7 @@ void addNoiseOption(CLI::App& command, const char* name, std::vector<double>& va
   command.add_option(name, values, text)
       ->type_name("A[;B;C]")
       ->delimiter(';')
+      ->allow_extra_args(false)
       ->check(CLI::PositiveNumber.description(""))
       ->default_str("0.01");
 }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -12,26 +13,34 @@
 namespace quiver::app {
 namespace {
 
-/// "did you mean …" for a word the parser does not know, or nothing.
-std::string suggestion(const CLI::App& parser, const std::vector<std::string>& arguments) {
+std::string suggestion(const std::string& word, const std::vector<std::string>& candidates) {
+  const std::string near = nearestWord(word, candidates);
+  return near.empty() ? "" : fmt::format(", did you mean '{}'?", near);
+}
+
+/// What is wrong with a command line, with the nearest command or flag where one is unknown.
+std::string describeUsageError(const CLI::App& parser, const CLI::ParseError& error,
+                               const std::vector<std::string>& arguments) {
   const std::vector<CLI::App*> chosen = parser.get_subcommands();
-  std::vector<std::string> candidates;
   if (chosen.empty()) {
-    for (const CLI::App* command : parser.get_subcommands({})) candidates.push_back(command->get_name());
-  } else {
-    for (const CLI::Option* option : chosen.front()->get_options()) {
-      for (const std::string& name : option->get_lnames()) candidates.push_back("--" + name);
+    std::vector<std::string> commands;
+    for (const CLI::App* command : parser.get_subcommands({})) commands.push_back(command->get_name());
+    for (const std::string& word : arguments) {
+      if (!word.empty() && word[0] != '-') return fmt::format("no command '{}'{}", word, suggestion(word, commands));
     }
+    return error.what();
+  }
+  std::vector<std::string> flags{"--help"};
+  for (const CLI::Option* option : chosen.front()->get_options()) {
+    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
   }
   for (const std::string& argument : arguments) {
     const std::string word = argument.substr(0, argument.find('='));
-    const bool known = std::find(candidates.begin(), candidates.end(), word) != candidates.end();
-    const bool flag = word.size() > 2 && word.compare(0, 2, "--") == 0;
-    if (known || flag == chosen.empty()) continue;
-    const std::string near = nearestWord(word, candidates);
-    if (!near.empty()) return fmt::format("; '{}': did you mean '{}'?", word, near);
+    if (word.compare(0, 2, "--") != 0 || std::find(flags.begin(), flags.end(), word) != flags.end()) continue;
+    const std::string near = suggestion(word, flags);
+    if (!near.empty()) return fmt::format("{} has no flag '{}'{}", chosen.front()->get_name(), word, near);
   }
-  return "";
+  return error.what();
 }
 
 int runCommand(int count, char** words) {
@@ -57,8 +66,8 @@ int runCommand(int count, char** words) {
     return parser.exit(asked) == 0 ? exitSuccess : exitInternal;
   } catch (const CLI::ParseError& error) {
     const std::vector<std::string> arguments(words + 1, words + count);
-    fmt::print(stderr, "quiver: {}{}\nquiver --help lists the commands, quiver COMMAND --help their flags.\n",
-               error.what(), suggestion(parser, arguments));
+    fmt::print(stderr, "quiver: {}\nquiver --help lists the commands, quiver COMMAND --help their flags.\n",
+               describeUsageError(parser, error, arguments));
     return exitUsage;
   }
   return exitCode;

@@ -31,14 +31,13 @@ void registerCholmod(Registry& registry) {
 void addPluginOption(CLI::App& command, std::vector<std::string>& plugins) {
   command.add_option("--plugin", plugins, "Shared library that brings types or solvers; may be given again")
       ->type_name("FILE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->allow_extra_args(false);
 }
 
 void addThreadsOption(CLI::App& command, int& threads) {
   command.add_option("--threads", threads, "Threads at most; 0: as the machine has. Results do not depend on it")
       ->type_name("N")
-      ->check(CLI::Range(0, 4096));
+      ->check(CLI::Range(0, 4096).description(""));
 }
 
 void addSourceOptions(CLI::App& command, GraphSource& source) {

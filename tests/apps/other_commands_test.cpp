@@ -1,0 +1,122 @@
+#include <cmath>
+
+#include "tests/apps/command_runner.h"
+
+namespace quiver::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class OtherCommands : public CommandTest {};
+
+TEST_F(OtherCommands, TellVersionAndHelp) {
+  EXPECT_EQ(run("--version").out.rfind("quiver ", 0), 0u);
+  EXPECT_EQ(run("--help").exitCode, 0);
+  for (const char* command : {"optimize", "info", "list", "convert", "simulate", "plot"}) {
+    const CommandResult help = run(std::string(command) + " --help");
+    EXPECT_EQ(help.exitCode, 0) << command;
+    EXPECT_NE(help.out.find(command), std::string::npos) << command;
+  }
+}
+
+TEST_F(OtherCommands, SimulateIsSeededAndComesWithTheTruth) {
+  ASSERT_EQ(run("simulate sphere -o a.g2o --truth t.g2o --laps 6 --nodes-per-lap 10 --seed 5").exitCode, 0);
+  ASSERT_EQ(run("simulate sphere -o b.g2o --laps 6 --nodes-per-lap 10 --seed 5").exitCode, 0);
+  ASSERT_EQ(run("simulate sphere -o c.g2o --laps 6 --nodes-per-lap 10 --seed 6").exitCode, 0);
+  EXPECT_EQ(read("a.g2o"), read("b.g2o"));
+  EXPECT_NE(read("a.g2o"), read("c.g2o"));
+  const Json noisy = Json::parse(run("info a.g2o --json -").out);
+  EXPECT_EQ(noisy["input"]["vertices"]["VERTEX_SE3:QUAT"], 60);
+  // 59 steps and three closures a pose of the first five laps, but for the one past the end.
+  EXPECT_EQ(noisy["input"]["edges"]["EDGE_SE3:QUAT"], 59 + 149);
+  EXPECT_EQ(noisy["components"], 1);
+  EXPECT_EQ(noisy["fixed"], 1);
+  // At the truth chi2 has 6 degrees of freedom a measurement; five deviations of its own spread are allowed.
+  const Json truth = Json::parse(run("info t.g2o --json -").out);
+  EXPECT_NEAR(truth["chi2"].get<double>(), 6.0 * 208, 5.0 * std::sqrt(2.0 * 6.0 * 208));
+  EXPECT_EQ(run("simulate sphere -o a.g2o --noise-rotation '0.1;0.2'").exitCode, 2);
+}
+
+TEST_F(OtherCommands, SimulatedNoiseHasTheStatedSize) {
+  ASSERT_EQ(run("simulate sphere -o a.g2o --truth t.g2o --laps 10 --nodes-per-lap 20 --noise-rotation 0.05 "
+                "--noise-translation '0.1;0.2;0.3'")
+                .exitCode,
+            0);
+  const Json truth = Json::parse(run("info t.g2o --json -").out);
+  const double freedom = 6.0 * truth["input"]["edges"]["EDGE_SE3:QUAT"].get<double>();
+  EXPECT_NEAR(truth["chi2"].get<double>(), freedom, 5.0 * std::sqrt(2.0 * freedom));
+}
+
+TEST_F(OtherCommands, InfoTellsOfTrouble) {
+  write("in.g2o", std::string(square) +
+                      "VERTEX_SE2 9 0 0 0\nVERTEX_SE2 20 0 0 0\nVERTEX_SE2 21 1 0 0\n"
+                      "EDGE_SE2 20 21 1 0 0 0 0 0 0 0 0\nEDGE_SE2 0 1 1 0 1.57 1 0 0 1 0 1\n");
+  const Json info = Json::parse(run("info in.g2o --plan --json -").out);
+  EXPECT_EQ(info["components"], 2);
+  EXPECT_EQ(info["isolated"], Json::array({9}));
+  EXPECT_EQ(info["zero_information"], Json::array({"EDGE_SE2 20 21"}));
+  EXPECT_EQ(info["parallel_edges"], 1);
+  EXPECT_EQ(info["worst_edges"].size(), 5u);
+  EXPECT_GT(info["worst_edges"][0]["chi2"], info["worst_edges"][1]["chi2"]);
+  EXPECT_TRUE(info["plan"].contains("linear_solver_reason"));
+  EXPECT_NE(run("info in.g2o").out.find("zero weight"), std::string::npos);
+}
+
+TEST_F(OtherCommands, InfoAgreesWithOptimizeOnChi2) {
+  write("in.g2o", square);
+  const Json info = Json::parse(run("info in.g2o --json -").out);
+  const Json report = optimize("in.g2o --init file --iterations 0");
+  EXPECT_NEAR(info["chi2"].get<double>(), report["initial_chi2"].get<double>(), 1e-12 * info["chi2"].get<double>());
+}
+
+TEST_F(OtherCommands, InfoKnowsVerticesWithoutEstimate) {
+  write("edges.g2o", "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n");
+  const Json info = Json::parse(run("info edges.g2o --json -").out);
+  EXPECT_EQ(info["without_estimate"], Json::array({0, 1}));
+  EXPECT_TRUE(info["chi2"].is_null());
+  EXPECT_EQ(run("info edges.g2o --plan").exitCode, 0);
+}
+
+TEST_F(OtherCommands, ListDescribesTypesAndNames) {
+  const Json list = Json::parse(run("list --json -").out);
+  bool found = false;
+  for (const Json& type : list["edges"]) {
+    if (type["tag"] != "EDGE_SE2") continue;
+    found = true;
+    EXPECT_EQ(type["vertices"], Json::array({"VERTEX_SE2", "VERTEX_SE2"}));
+    EXPECT_EQ(type["fields"].size(), 3u);
+    EXPECT_EQ(type["jacobians"], "analytic");
+    EXPECT_FALSE(type["documentation"].get<std::string>().empty());
+  }
+  EXPECT_TRUE(found);
+  EXPECT_NE(run("list").out.find("VERTEX_SE3:QUAT"), std::string::npos);
+}
+
+TEST_F(OtherCommands, ConvertCompressesAndComesBack) {
+  write("in.g2o", square);
+  ASSERT_EQ(run("convert in.g2o a.g2o").exitCode, 0);
+  ASSERT_EQ(run("convert a.g2o b.g2o.gz").exitCode, 0);
+  ASSERT_EQ(run("convert b.g2o.gz c.g2o.bz2").exitCode, 0);
+  ASSERT_EQ(run("convert c.g2o.bz2 d.g2o").exitCode, 0);
+  EXPECT_EQ(read("a.g2o"), read("d.g2o"));
+  EXPECT_NE(read("b.g2o.gz"), read("a.g2o"));
+  EXPECT_EQ(run("convert in.g2o no/such/folder/x.g2o").exitCode, 6);
+}
+
+TEST_F(OtherCommands, PlotDrawsPlanesAndSpace) {
+  ASSERT_EQ(run("simulate sphere -o in.g2o --laps 6 --nodes-per-lap 12").exitCode, 0);
+  ASSERT_EQ(run("optimize in.g2o -o out.g2o --quiet").exitCode, 0);
+  ASSERT_EQ(run("plot out.g2o --before in.g2o -o both.svg").exitCode, 0);
+  const std::string both = read("both.svg");
+  EXPECT_EQ(both.rfind("<svg ", 0), 0u);
+  EXPECT_NE(both.find("before: in.g2o"), std::string::npos);
+  EXPECT_NE(both.find("after: out.g2o"), std::string::npos);
+  EXPECT_NE(both.find("72 poses"), std::string::npos);
+  EXPECT_EQ(both.find("nan"), std::string::npos);
+  EXPECT_EQ(both.find("http", both.find("w3.org")), std::string::npos) << "self-contained";
+  write("square.g2o", square);
+  EXPECT_EQ(run("plot square.g2o -o -").out.rfind("<svg ", 0), 0u);
+}
+
+}  // namespace
+}  // namespace quiver::test
