@@ -25,19 +25,18 @@ TagTable::TagTable(const Registry& registry) : registry_(registry) {
     if (const TagEntry* entry = find(tag)) entries_.emplace(alias, *entry);
   }
   for (const auto& data : registry.dataTags()) entries_.emplace(data.name, TagEntry{.kind = LineKind::data});
-  ownTags_.reserve(2);
-  addToroTag("VERTEX2", "VERTEX_SE2");
-  addToroTag("EDGE2", "EDGE_SE2");
+  addToroTag("VERTEX2", "VERTEX_SE2", LineDialect::toro);
+  addToroTag("EDGE2", "EDGE_SE2", LineDialect::toro);
+  addToroTag("BR", "EDGE_SE2_XY", LineDialect::bearingRange);
 }
 
-/// TORO's planar types are g2o's by another name, except for the order of the information matrix.
-void TagTable::addToroTag(const std::string& tag, const std::string& g2oTag) {
+/// Unless the registry has a type of that tag, or none that the tag could stand for.
+void TagTable::addToroTag(std::string_view tag, std::string_view g2oTag, LineDialect dialect) {
   const TagEntry* known = find(g2oTag);
   if (!known) return;
   TagEntry entry = *known;
-  entry.toro = true;
-  ownTags_.push_back(tag);
-  entries_.insert_or_assign(ownTags_.back(), entry);
+  entry.dialect = dialect;
+  entries_.emplace(tag, entry);
 }
 
 const TagEntry* TagTable::find(std::string_view tag) const {

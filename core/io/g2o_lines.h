@@ -25,13 +25,23 @@ enum class LineKind : std::uint8_t {
   unknown,
 };
 
+/// Planar TORO files hold g2o's types by other names and with other numbers.
+enum class LineDialect : std::uint8_t {
+  g2o,
+  /// VERTEX2 and EDGE2: the information matrix is I11 I12 I22 I33 I13 I23.
+  toro,
+  /// BR: bearing, range and their standard deviations, where the type takes the point in the pose's frame and its
+  /// information.
+  bearingRange,
+};
+
 /// What a tag stands for.
 struct TagEntry {
   LineKind kind = LineKind::unknown;
   /// Index in the registry's list of vertex, edge or parameter types.
   int type = -1;
-  /// The information matrix stands in TORO's order.
-  bool toro = false;
+  /// How the line differs from what the type itself would read.
+  LineDialect dialect = LineDialect::g2o;
   /// Edges only: number of vertices (the least one), whether there may be more, and of parameters.
   int arity = 0;
   bool variableArity = false;
@@ -49,12 +59,10 @@ class TagTable {
   const ElementType& elementType(const TagEntry& entry) const;
 
  private:
-  void addToroTag(const std::string& tag, const std::string& g2oTag);
+  void addToroTag(std::string_view tag, std::string_view g2oTag, LineDialect dialect);
 
   const Registry& registry_;
   std::unordered_map<std::string_view, TagEntry> entries_;
-  /// Keys of entries that the registry does not hold.
-  std::vector<std::string> ownTags_;
 };
 
 /// One line that is not blank.

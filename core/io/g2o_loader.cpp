@@ -3,9 +3,11 @@
 #include <map>
 #include <new>
 #include <stdexcept>
+#include <unordered_set>
 
 #include <fmt/format.h>
 
+#include <quiver/core/io/bearing_range.h>
 #include <quiver/core/io/g2o_annotations.h>
 #include <quiver/core/io/g2o_loader.h>
 #include <quiver/core/util/parallel.h>
@@ -13,7 +15,7 @@
 namespace quiver::detail {
 namespace {
 
-constexpr std::size_t chunkSize = std::size_t{1} << 18;
+constexpr std::size_t chunkSize = std::size_t{1} << 17;
 
 /// I11 I12 I22 I33 I13 I23 to the rows of the upper triangle.
 void reorderToro(std::vector<double>& triangle) {
@@ -49,7 +51,7 @@ Graph G2oLoader::load() {
   G2oAnnotations annotations(source_, options_, graph_);
   for (const G2oChunk& chunk : chunks_) {
     annotations.apply(chunk);
-    for (const G2oLine& line : chunk.lines) toro = toro || (line.entry && line.entry->toro);
+    for (const G2oLine& line : chunk.lines) toro = toro || (line.entry && line.entry->dialect != LineDialect::g2o);
   }
   annotations.finish();
   if (toro && options_.report) options_.report->format = "toro";
@@ -97,18 +99,20 @@ void G2oLoader::addVertices() {
       }
     }
   }
-  if (!anyVertex) addVerticesOfEdges();
+  addVerticesOfEdges(!anyVertex);
 }
 
-void G2oLoader::addVerticesOfEdges() {
+/// TORO files have no lines for landmarks.
+void G2oLoader::addVerticesOfEdges(bool allEdges) {
   const Registry& registry = *graph_.registry();
   for (const G2oChunk& chunk : chunks_) {
     for (const G2oLine& line : chunk.lines) {
-      if (line.kind != LineKind::edge) continue;
+      const bool landmark = line.kind == LineKind::edge && line.entry->dialect == LineDialect::bearingRange;
+      if (line.kind != LineKind::edge || !(allEdges || landmark)) continue;
       const EdgeType& type = *registry.edgeTypes()[static_cast<std::size_t>(line.entry->type)];
       const auto ids = idsOf(chunk, line);
       const int count = static_cast<int>(ids.size()) - line.entry->parameters;
-      for (int role = 0; role < count; ++role) {
+      for (int role = allEdges ? 0 : 1; role < count; ++role) {
         const std::int64_t id = ids[static_cast<std::size_t>(role)];
         if (graph_.findVertex(id)) continue;
         if (const VertexType* vertex = registry.findVertexTypeByName(type.vertexTypeName(role)))
@@ -159,13 +163,11 @@ ParseError G2oLoader::edgeError(const G2oLine& line, std::span<const std::int64_
     const bool afterBars = i >= vertices && line.entry->variableArity;
     return source_.error(source_.tokenPlace(line.begin, static_cast<int>(i) + (afterBars ? 2 : 1)), text);
   };
+  std::unordered_set<std::int64_t> seen;
   for (std::size_t i = 0; i < vertices; ++i) {
     const Vertex* vertex = graph_.findVertex(ids[i]);
     if (!vertex) return at(i, fmt::format("{} names vertex {}, which is not in the file", type.tag(), ids[i]));
-    if (std::find(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(i), ids[i]) !=
-        ids.begin() + static_cast<std::ptrdiff_t>(i)) {
-      return at(i, fmt::format("{} names vertex {} twice", type.tag(), ids[i]));
-    }
+    if (!seen.insert(ids[i]).second) return at(i, fmt::format("{} names vertex {} twice", type.tag(), ids[i]));
     if (graph_.typeOf(*vertex).cppName() != type.vertexTypeName(static_cast<int>(i))) return at(i, message);
   }
   const std::vector<std::string_view> wanted = type.parameterTypeNames();
@@ -213,11 +215,15 @@ void G2oLoader::readElement(const G2oLine& line, void* element, FieldPass& pass)
       Vertex& vertex = *static_cast<Vertex*>(element);
       registry.vertexTypes()[index]->read(reader, vertex);
       vertex.setHasEstimate(true);
+    } else if (line.kind == LineKind::edge && line.entry->dialect == LineDialect::bearingRange) {
+      readBearingRange(*registry.edgeTypes()[index], reader, *static_cast<Edge*>(element));
     } else if (line.kind == LineKind::edge) {
       const EdgeType& type = *registry.edgeTypes()[index];
       Edge& edge = *static_cast<Edge*>(element);
+      if (type.errorDimension() == Dynamic) refuseHopeless(line);
       type.read(reader, edge);
-      if (type.hasInformationField()) readInformation(type, edge, line.entry->toro, reader, pass);
+      if (type.hasInformationField())
+        readInformation(type, edge, line.entry->dialect == LineDialect::toro, reader, pass);
     }
   } catch (const ParseError&) {
     throw;
@@ -229,6 +235,18 @@ void G2oLoader::readElement(const G2oLine& line, void* element, FieldPass& pass)
     reader.fail("this needs more memory than there is");
   }
   reader.expectEnd();
+}
+
+/// An edge over very many vertices asks for an information matrix of that many rows at least: a line too short for it
+/// is refused before its type reserves memory for the square of a number that anybody can write.
+void G2oLoader::refuseHopeless(const G2oLine& line) const {
+  constexpr std::size_t many = 1000;
+  const std::size_t vertices = line.idCount;
+  if (vertices <= many) return;
+  TextScanner rest(std::string_view(line.fields, static_cast<std::size_t>(source_.end() - line.fields)));
+  if (rest.nextLine().size() / vertices < vertices) {
+    throw source_.endsEarly(line.fields, fmt::format("the information matrix for {} vertices is missing", vertices));
+  }
 }
 
 void G2oLoader::readInformation(const EdgeType& type, Edge& edge, bool toro, G2oFieldReader& reader,

@@ -35,11 +35,12 @@ class G2oLoader {
   void addElements();
   void addVertices();
   void addEdges();
-  void addVerticesOfEdges();
+  void addVerticesOfEdges(bool allEdges);
   void readFields();
   void readChunk(const G2oChunk& chunk, FieldPass& pass) const;
   void readElement(const G2oLine& line, void* element, FieldPass& pass) const;
   void readInformation(const EdgeType& type, Edge& edge, bool toro, G2oFieldReader& reader, FieldPass& pass) const;
+  void refuseHopeless(const G2oLine& line) const;
   void refuseInformation(const std::vector<FieldPass>& passes) const;
   /// Throws the first error in the fields of the lines before `line`, which counts from 1, if there is one.
   void checkFieldsBefore(std::int64_t line) const;

@@ -46,7 +46,9 @@ struct ReadOptions {
 /// Lines may come in any order: edges before vertices, FIX and parameters anywhere. A file without vertex lines gets
 /// vertices without an estimate, of the types its edges join. Comments stay with the element that follows them, data
 /// lines with the one before;
-/// "#quiver" lines carry what the format cannot (see writeGraph). Estimates are kept to the last bit.
+/// "#quiver" lines carry what the format cannot (see writeGraph). Estimates are kept to the last bit. TORO's VERTEX2
+/// and EDGE2 become VERTEX_SE2 and EDGE_SE2, its bearings and ranges (BR) points seen from a pose, EDGE_SE2_XY;
+/// landmarks without a line of their own then have no estimate.
 ///
 /// Throws FileError if the file cannot be read, ParseError at the first line that is wrong. Information matrices that
 /// are none are counted to the end of the file. O(size of the file).

@@ -85,6 +85,12 @@ std::vector<Malformed> tagsAndIds() {
   };
 }
 
+std::string numberList(int first, int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += " " + std::to_string(first + i);
+  return text;
+}
+
 std::vector<Malformed> fieldsAndNumbers() {
   const std::string numbers = [] {
     std::string text;
@@ -127,6 +133,10 @@ std::vector<Malformed> fieldsAndNumbers() {
        "a.g2o:4:26: the number of points is not that of the vertices"},
       {"ShortVariableEdge", poses + point + "EDGE_SE2_LOTSOFXY 0 7 || 1 1 2 1 0\n",
        "a.g2o:4:35: the line ends early: entry (2, 2) of the information matrix is missing"},
+      {"NegativeRange", poses + "BR 0 7 0.3 -2 0.1 0.5\n", "a.g2o:3:12: a range is positive"},
+      {"NoDeviation", poses + "BR 0 7 0.3 2 0 0.5\n", "a.g2o:3:14: a standard deviation is positive"},
+      {"ManyVerticesWithoutInformation", "EDGE_SE2_LOTSOFXY 0" + numberList(1, 2000) + " || 2000 1 2\n",
+       "a.g2o:1:8925: the line ends early: the information matrix for 2001 vertices is missing"},
       {"EmptyFile", "", "a.g2o: the file holds no vertex and no edge"},
       {"OnlyBlanksAndComments", "\n \t\r\n# nothing\n", "a.g2o: the file holds no vertex and no edge"},
       {"OnlyParameters", "PARAMS_SCALE 0 1\n", "a.g2o: the file holds no vertex and no edge"},

@@ -4,6 +4,7 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include <quiver/core/io/g2o_reader.h>
 #include <quiver/core/io/number_writer.h>
@@ -172,6 +173,19 @@ TEST(G2oReader, ReadsPlanarToro) {
   EXPECT_EQ(static_cast<const Odometry2&>(*edgesOf(graph).at(0)).information(), expected);
   read(poses, {.report = &report});
   EXPECT_EQ(report.format, "g2o");
+}
+
+TEST(G2oReader, ReadsBearingsAndRangesOfToro) {
+  const Graph graph = read("VERTEX2 0 0 0 0\nVERTEX2 1 1 0 0\nBR 0 7 0.3 2 0.1 0.5\n");
+  EXPECT_FALSE(graph.vertex<Point2>(7).hasEstimate());
+  const auto& sighting = static_cast<const test::Sighting2&>(*edgesOf(graph).at(0));
+  EXPECT_NEAR(sighting.measurement()[0], 2.0 * std::cos(0.3), 1e-15);
+  EXPECT_NEAR(sighting.measurement()[1], 2.0 * std::sin(0.3), 1e-15);
+  // The covariance of (r cos β, r sin β) by its Jacobian.
+  Matrix<double, 2, 2> J;
+  J << std::cos(0.3), -2.0 * std::sin(0.3), std::sin(0.3), 2.0 * std::cos(0.3);
+  const Matrix<double, 2, 2> covariance = J * Vector<double, 2>(0.25, 0.01).asDiagonal() * J.transpose();
+  EXPECT_LT((sighting.information() * covariance - Matrix<double, 2, 2>::Identity()).norm(), 1e-13);
 }
 
 /// A file of several chunks with all that has its place: comments, data, marks.
