@@ -44,6 +44,7 @@ void levenbergMarquardt(Descent& descent) {
   std::vector<double>& delta = descent.delta();
   std::vector<double> scaled(delta.size());
   Damping damping(descent.options().initialDamping);
+  int failures = 0;
   while (!descent.exhausted()) {
     const auto diagonal = system.diagonal();
     for (std::size_t i = 0; i < scaled.size(); ++i)
@@ -68,11 +69,13 @@ void levenbergMarquardt(Descent& descent) {
     }
     if (ratio > acceptedShare) {
       damping.succeed(ratio);
+      failures = 0;
       if (descent.accept(trial)) return;
       continue;
     }
     descent.reject();
-    if (predicted > 0.0 && predicted <= descent.options().costTolerance * descent.totals().cost) {
+    // A promise made small by damping alone proves nothing: only the first trial from an estimate counts.
+    if (failures++ == 0 && predicted > 0.0 && predicted <= descent.options().costTolerance * descent.totals().cost) {
       return descent.finish(Status::converged, fmt::format("no step can lower the cost by more than {:.2e} of itself",
                                                            predicted / descent.totals().cost));
     }
