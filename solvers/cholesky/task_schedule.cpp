@@ -41,6 +41,7 @@ bool isLargeFront(const TreeNode& node) {
 
 TaskSchedule::TaskSchedule(std::span<const TreeNode> nodes, int wanted) {
   const int count = static_cast<int>(nodes.size());
+  if (count == 0) return;
   std::vector<double> subtreeCost(nodes.size());
   std::vector<int> subtreeBegin(nodes.size());
   double total = 0.0;

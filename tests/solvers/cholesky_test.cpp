@@ -144,6 +144,15 @@ TEST(BlockCholesky, namesTheFirstFailedPivotWhateverTheThreads) {
   EXPECT_EQ(first.coordinate, 0);
 }
 
+TEST(BlockCholesky, solvesTheEmptySystem) {
+  const BlockMatrix matrix(std::make_shared<const BlockPattern>(BlockPattern::fromPairs(BlockLayout(), {})));
+  BlockCholesky solver;
+  solver.analyze(std::make_shared<const BlockPattern>(matrix.pattern()), 2);
+  EXPECT_TRUE(solver.factorize(matrix, {}).ok());
+  EXPECT_TRUE(solver.solve({}).ok());
+  EXPECT_EQ(solver.statistics().nonzeros, 0);
+}
+
 TEST(BlockCholesky, refusesNumbersThatAreNone) {
   std::mt19937 random(15);
   for (const double value : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
