@@ -144,10 +144,10 @@ int runPlugin(PluginHost* host, Function function) noexcept {
 
 /// Makes a shared library a plugin, once in one of its source files, at namespace scope: `function` is a
 /// `void(quiver::Registry&)` that adds what the plugin brings.
-#define QUIVER_PLUGIN(function)                                                                    \
-  extern "C" __attribute__((visibility("default"), used)) const quiver::PluginAbi quiverPluginAbi; \
-  const quiver::PluginAbi quiverPluginAbi = quiver::compiledAbi();                                 \
-  extern "C" __attribute__((visibility("default"))) int quiverPlugin(quiver::PluginHost* host) {   \
-    return quiver::detail::runPlugin(host, function);                                              \
-  }                                                                                                \
+#define QUIVER_PLUGIN(function)                                                                  \
+  extern "C" __attribute__((visibility("default"))) const quiver::PluginAbi quiverPluginAbi;     \
+  const quiver::PluginAbi quiverPluginAbi = quiver::compiledAbi();                               \
+  extern "C" __attribute__((visibility("default"))) int quiverPlugin(quiver::PluginHost* host) { \
+    return quiver::detail::runPlugin(host, function);                                            \
+  }                                                                                              \
   static_assert(true, "a semicolon follows")
