@@ -13,7 +13,16 @@
 
 namespace plaza {
 
-using namespace quiver;
+using quiver::BaseEdge;
+using quiver::BaseVertex;
+using quiver::EdgeSE2;
+using quiver::Graph;
+using quiver::Matrix;
+using quiver::Registry;
+using quiver::SE2;
+using quiver::Vector;
+using quiver::VertexSE2;
+using quiver::builtinRegistry;
 
 /// A beacon in the plane, in metres.
 class VertexBeacon : public BaseVertex<VertexBeacon, 2, Vector<double, 2>> {

@@ -43,7 +43,8 @@ class ElementType {
   int index_ = -1;
 };
 
-/// Whether a vertex's estimate is a pose, and of what: then its values are those of Packing<SE2<double>> or Packing<SE3<double>>.
+/// Whether a vertex's estimate is a pose, and of what: then its values are those of Packing<SE2<double>> or
+/// Packing<SE3<double>>.
 enum class PoseKind { none, plane, space };
 
 /// Descriptor of a vertex type. Its functions act on vertices of that type only.

@@ -197,8 +197,7 @@ std::string nearestWord(std::string_view word, const std::vector<std::string>& c
       std::size_t diagonal = row[0];
       row[0] = i;
       for (std::size_t j = 1; j <= candidate.size(); ++j) {
-        const std::size_t substitute =
-            diagonal + !sameLetter(word[i - 1], candidate[j - 1]);
+        const std::size_t substitute = diagonal + !sameLetter(word[i - 1], candidate[j - 1]);
         diagonal = row[j];
         row[j] = std::min({row[j] + 1, row[j - 1] + 1, substitute});
       }
