@@ -16,6 +16,13 @@ namespace quiver::detail {
 namespace {
 
 constexpr std::size_t chunkSize = std::size_t{1} << 17;
+/// Text that a thread takes about a millisecond for: with less, waking it up costs more than it gains.
+constexpr std::size_t bytesPerThread = std::size_t{1} << 19;
+
+int usefulThreads(int asked, std::size_t bytes) {
+  const std::size_t useful = std::max<std::size_t>(1, bytes / bytesPerThread);
+  return static_cast<int>(std::min(static_cast<std::size_t>(asked > 0 ? asked : hardwareThreads()), useful));
+}
 
 /// I11 I12 I22 I33 I13 I23 to the rows of the upper triangle.
 void reorderToro(std::vector<double>& triangle) {
@@ -34,7 +41,7 @@ G2oLoader::G2oLoader(const SourceText& source, std::shared_ptr<const Registry> r
     : source_(source),
       options_(options),
       tags_(*registry),
-      threads_(options.threads > 0 ? options.threads : hardwareThreads()),
+      threads_(usefulThreads(options.threads, source.text.size())),
       graph_(std::move(registry)),
       chunks_(cutIntoChunks(withoutByteOrderMark(source.text), chunkSize)) {}
 
