@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <quiver/core/registry/registry.h>
-#include <quiver/types_slam2d/edge_line2d.h>
+#include <quiver/types_slam2d/addons/edge_line2d.h>
+#include <quiver/types_slam2d/addons/edge_segment2d.h>
 #include <quiver/types_slam2d/edge_se2_bearing.h>
 #include <quiver/types_slam2d/edge_se2_offset.h>
-#include <quiver/types_slam2d/edge_segment2d.h>
 #include <quiver/types_slam2d/register.h>
 
 namespace quiver {

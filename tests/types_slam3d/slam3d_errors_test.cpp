@@ -5,9 +5,9 @@
 
 #include <quiver/core/registry/field_tokens.h>
 #include <quiver/core/registry/registry.h>
-#include <quiver/types_slam3d/edge_line3d.h>
-#include <quiver/types_slam3d/edge_plane.h>
-#include <quiver/types_slam3d/edge_se3_euler.h>
+#include <quiver/types_slam3d/addons/edge_line3d.h>
+#include <quiver/types_slam3d/addons/edge_plane.h>
+#include <quiver/types_slam3d/addons/edge_se3_euler.h>
 #include <quiver/types_slam3d/edge_se3_prior.h>
 #include <quiver/types_slam3d/edge_se3_projection.h>
 

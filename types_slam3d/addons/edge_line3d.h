@@ -1,8 +1,8 @@
 #pragma once
 
 #include <quiver/core/graph/edge.h>
+#include <quiver/types_slam3d/addons/vertex_line3d.h>
 #include <quiver/types_slam3d/parameter_se3_offset.h>
-#include <quiver/types_slam3d/vertex_line3d.h>
 #include <quiver/types_slam3d/vertex_se3.h>
 
 namespace quiver {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <quiver/core/graph/edge.h>
-#include <quiver/types_slam3d/vertex_plane.h>
+#include <quiver/types_slam3d/addons/vertex_plane.h>
 #include <quiver/types_slam3d/vertex_se3.h>
 
 namespace quiver {

@@ -1,4 +1,4 @@
-#include <quiver/types_slam3d/edge_se3_euler.h>
+#include <quiver/types_slam3d/addons/edge_se3_euler.h>
 
 #include <cmath>
 #include <string>

@@ -1,6 +1,6 @@
 #include <quiver/core/registry/registry.h>
-#include <quiver/types_slam3d/edge_line3d.h>
-#include <quiver/types_slam3d/edge_plane.h>
+#include <quiver/types_slam3d/addons/edge_line3d.h>
+#include <quiver/types_slam3d/addons/edge_plane.h>
 #include <quiver/types_slam3d/register.h>
 
 namespace quiver::detail {

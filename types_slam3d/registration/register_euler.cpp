@@ -1,5 +1,5 @@
 #include <quiver/core/registry/registry.h>
-#include <quiver/types_slam3d/edge_se3_euler.h>
+#include <quiver/types_slam3d/addons/edge_se3_euler.h>
 #include <quiver/types_slam3d/register.h>
 
 namespace quiver::detail {

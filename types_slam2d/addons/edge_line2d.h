@@ -1,7 +1,7 @@
 #pragma once
 
 #include <quiver/core/graph/edge.h>
-#include <quiver/types_slam2d/vertex_line2d.h>
+#include <quiver/types_slam2d/addons/vertex_line2d.h>
 #include <quiver/types_slam2d/vertex_se2.h>
 #include <quiver/types_slam2d/vertex_xy.h>
 

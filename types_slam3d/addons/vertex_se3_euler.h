@@ -3,7 +3,7 @@
 #include <array>
 
 #include <quiver/core/graph/vertex.h>
-#include <quiver/types_slam3d/euler_angles.h>
+#include <quiver/types_slam3d/addons/euler_angles.h>
 #include <quiver/types_slam3d/vertex_se3.h>
 
 namespace quiver {

@@ -3,8 +3,8 @@
 #include <array>
 
 #include <quiver/core/graph/edge.h>
+#include <quiver/types_slam3d/addons/vertex_se3_euler.h>
 #include <quiver/types_slam3d/edge_se3.h>
-#include <quiver/types_slam3d/vertex_se3_euler.h>
 
 namespace quiver {
 

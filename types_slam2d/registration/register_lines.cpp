@@ -1,6 +1,6 @@
 #include <quiver/core/registry/registry.h>
-#include <quiver/types_slam2d/edge_line2d.h>
-#include <quiver/types_slam2d/edge_segment2d.h>
+#include <quiver/types_slam2d/addons/edge_line2d.h>
+#include <quiver/types_slam2d/addons/edge_segment2d.h>
 #include <quiver/types_slam2d/register.h>
 
 namespace quiver::detail {

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <quiver/core/graph/edge.h>
+#include <quiver/types_slam2d/addons/vertex_segment2d.h>
 #include <quiver/types_slam2d/point_jacobian.h>
 #include <quiver/types_slam2d/vertex_se2.h>
-#include <quiver/types_slam2d/vertex_segment2d.h>
 
 namespace quiver {
 
