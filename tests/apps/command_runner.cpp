@@ -44,8 +44,9 @@ CommandTest::~CommandTest() {
 }
 
 CommandResult CommandTest::run(const std::string& arguments) const {
-  const std::string line =
-      fmt::format("cd '{}' && '{}' {} > .stdout 2> .stderr < /dev/null", folder_.string(), QUIVER_COMMAND, arguments);
+  // Everything in braces shares the redirections, so arguments may go on with commands of the shell.
+  const std::string line = fmt::format("cd '{}' && {{ '{}' {}\n}} > .stdout 2> .stderr < /dev/null", folder_.string(),
+                                       QUIVER_COMMAND, arguments);
   const int status = std::system(line.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(folder_ / ".stdout"), contents(folder_ / ".stderr")};
 }
