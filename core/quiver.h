@@ -4,9 +4,13 @@
 // have headers of their own.
 #include <quiver/core/algorithm/optimizer.h>
 #include <quiver/core/graph/graph.h>
+#include <quiver/core/graph/robust_kernels.h>
 #include <quiver/core/io/g2o_reader.h>
 #include <quiver/core/io/g2o_writer.h>
 #include <quiver/core/util/error.h>
+#include <quiver/initialization/automatic.h>
+#include <quiver/initialization/chordal.h>
+#include <quiver/initialization/spanning_tree.h>
 #include <quiver/plugins/builtin.h>
 #include <quiver/plugins/plugin.h>
 #include <quiver/plugins/plugin_loader.h>
