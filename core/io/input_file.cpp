@@ -35,10 +35,11 @@ class Descriptor {
   bool owned_;
 };
 
-std::size_t machineMemory() {
+/// Half of the machine's memory: the graph of a text takes about as much as the text.
+std::size_t usefulMemory() {
   const long pages = ::sysconf(_SC_PHYS_PAGES);
   const long pageSize = ::sysconf(_SC_PAGESIZE);
-  return pages > 0 && pageSize > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(pageSize)
+  return pages > 0 && pageSize > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(pageSize) / 2
                                    : std::size_t{1} << 40;
 }
 
@@ -112,7 +113,9 @@ void InputFile::map(int descriptor, std::size_t size) {
 
 void InputFile::readAll(int descriptor) {
   detail::ByteBuffer buffer;
+  const std::size_t limit = usefulMemory();
   for (;;) {
+    if (buffer.size() > limit) throw FileError(fmt::format("{}: does not fit into memory", name_));
     buffer.makeRoom(std::size_t{1} << 16);
     const ssize_t got = ::read(descriptor, buffer.data() + buffer.size(), buffer.capacity() - buffer.size());
     if (got < 0 && errno == EINTR) continue;
@@ -128,7 +131,7 @@ void InputFile::inflateIfCompressed(std::int64_t maxBytes) {
   const detail::Compression compression = detail::detectCompression(text());
   if (compression == detail::Compression::none) return;
   detail::ByteBuffer inflated;
-  const std::size_t limit = maxBytes > 0 ? static_cast<std::size_t>(maxBytes) : machineMemory();
+  const std::size_t limit = maxBytes > 0 ? static_cast<std::size_t>(maxBytes) : usefulMemory();
   detail::inflateAll(compression, text(), name_, limit, inflated);
   release();
   size_ = inflated.size();

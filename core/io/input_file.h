@@ -13,8 +13,8 @@ namespace quiver {
 /// truncated while the object lives. "-" is standard input. Movable; text() stays where it is when the object moves.
 class InputFile {
  public:
-  /// Throws FileError if the path is missing, a directory, unreadable, or inflates to more than `maxBytes` (0: the
-  /// machine's memory); throws ParseError if compressed data is corrupt or ends early.
+  /// Throws FileError if the path is missing, a directory, unreadable, or inflates to more than `maxBytes` (0:
+  /// half of the machine's memory); throws ParseError if compressed data is corrupt or ends early.
   explicit InputFile(const std::string& path, std::int64_t maxBytes = 0);
   ~InputFile();
   InputFile(InputFile&& other) noexcept;
