@@ -15,6 +15,7 @@ namespace plaza {
 
 using quiver::BaseEdge;
 using quiver::BaseVertex;
+using quiver::builtinRegistry;
 using quiver::EdgeSE2;
 using quiver::Graph;
 using quiver::Matrix;
@@ -22,7 +23,6 @@ using quiver::Registry;
 using quiver::SE2;
 using quiver::Vector;
 using quiver::VertexSE2;
-using quiver::builtinRegistry;
 
 /// A beacon in the plane, in metres.
 class VertexBeacon : public BaseVertex<VertexBeacon, 2, Vector<double, 2>> {
