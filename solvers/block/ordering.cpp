@@ -54,7 +54,7 @@ constexpr double minimumDissectionFlops = 1e8;
 constexpr double minimumDissectionIntensity = 150.0;
 constexpr int dissectionSeed = 2;
 /// Thousandths by which the larger half may exceed its share. Pose graphs have narrow places off the middle: twice
-/// METIS's default saves about a tenth of the multiplications.
+/// METIS's default saves up to a tenth of the multiplications.
 constexpr int dissectionImbalance = 400;
 
 FactorSize sizeOf(const BlockGraph& graph, const BlockPattern& pattern, const std::vector<int>& order) {
