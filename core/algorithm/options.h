@@ -18,12 +18,6 @@ enum class GaugePolicy {
   free        ///< never fix anything
 };
 
-/// How a robust kernel enters the normal equations.
-enum class RobustCorrection {
-  firstOrder,  ///< weight ρ' alone
-  triggs       ///< with the ρ'' term, kept positive definite
-};
-
 /// What `optimize` does. An aggregate: fields are only ever appended.
 struct Options {
   /// Trial steps at most.
@@ -52,7 +46,6 @@ struct Options {
   double initialDamping = 1e-4;
   /// Called after every trial step, on the calling thread.
   std::function<void(const IterationReport&)> callback = {};
-  RobustCorrection robustCorrection = RobustCorrection::firstOrder;
 
   /// Throws GraphError naming the first option that makes no sense.
   void validate() const;
