@@ -222,7 +222,7 @@ class DynamicBatch final : public EdgeBatch {
   typename Calls::template ParameterValues<S> parametersOf(int i) const {
     return [&]<typename... P>(ParameterList<P...>*) {
       const double* next = parameters_.data() + static_cast<std::size_t>(i) * Calls::constants;
-      const auto take = [&next]<typename Value>(Value*) {
+      [[maybe_unused]] const auto take = [&next]<typename Value>(Value*) {
         S numbers[Packing<Value>::size];
         for (int k = 0; k < Packing<Value>::size; ++k) numbers[k] = S(*next++);
         return Packing<Value>::template load<S>(numbers);
