@@ -65,12 +65,12 @@ void check(void (*batch)(const double*, const double*, double*)) {
 TEST(BatchLoopTest, PlainLoopsKeepSpecialCases) { check(runGeneric); }
 
 TEST(BatchLoopTest, Avx2KeepsSpecialCases) {
-  if (!test::runs<isa::Avx2>()) GTEST_SKIP();
+  if (!test::runs<isa::Avx2>()) GTEST_SKIP() << "the machine lacks the instruction set";
   check(runAvx2);
 }
 
 TEST(BatchLoopTest, Avx512KeepsSpecialCases) {
-  if (!test::runs<isa::Avx512>()) GTEST_SKIP();
+  if (!test::runs<isa::Avx512>()) GTEST_SKIP() << "the machine lacks the instruction set";
   check(runAvx512);
 }
 
@@ -90,7 +90,7 @@ QUIVER_BATCH_LOOP_AVX512 void differentiate(const double* a, const double* b, do
 }
 
 TEST(BatchLoopTest, UserCodeIsDifferentiatedInLanes) {
-  if (!test::runs<isa::Avx512>()) GTEST_SKIP();
+  if (!test::runs<isa::Avx512>()) GTEST_SKIP() << "the machine lacks the instruction set";
   const double a[8] = {1, 2, 3, 4, 5, 6, 7, 8}, b[8] = {-1, 0.5, 2, -3, 0.1, 9, 1, 1};
   double out[24];
   differentiate(a, b, out);
