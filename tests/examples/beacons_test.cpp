@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <numbers>
@@ -77,9 +79,8 @@ Eigen::MatrixXd covariance(const Graph& graph, std::map<std::int64_t, int>& offs
   return H.llt().solve(Eigen::MatrixXd::Identity(size, size));
 }
 
-/// On the graph that simulate_plaza writes, every coordinate of every beacon lies within three standard deviations of
-/// the truth, and the file loses nothing.
-TEST(Beacons, AreFoundWithinThreeSigma) {
+/// On a graph that simulate_plaza writes: the file loses nothing, the minimum is as deep as the noise says.
+TEST(Beacons, FileAndMinimumAreRight) {
   auto simulated = plaza::Simulation(1).run();
   const std::string file = ::testing::TempDir() + "quiver_plaza.g2o";
   writeGraph(file, simulated.graph);
@@ -92,16 +93,55 @@ TEST(Beacons, AreFoundWithinThreeSigma) {
   // As many degrees of freedom as residuals less unknowns; five standard deviations of χ².
   const double freedom = 3.0 * 160 + (graph.edgeCount() - 160) - (3.0 * 160 + 2.0 * 5);
   EXPECT_NEAR(summary.finalChi2, freedom, 5.0 * std::sqrt(2.0 * freedom));
+}
+
+/// |error| / σ of the worst coordinate of any beacon, σ from the covariance linearised at the minimum.
+double worstInSigmas(const plaza::Simulation::Result& simulated) {
   std::map<std::int64_t, int> offsets;
-  const Eigen::MatrixXd P = covariance(graph, offsets);
+  const Eigen::MatrixXd P = covariance(simulated.graph, offsets);
+  double worst = 0.0;
   for (const auto& [id, place] : simulated.beacons) {
-    const Eigen::VectorXd found = valuesOf(graph, id);
+    const Eigen::VectorXd found = valuesOf(simulated.graph, id);
     for (int c = 0; c < 2; ++c) {
-      const double sigma = std::sqrt(P(offsets.at(id) + c, offsets.at(id) + c));
-      EXPECT_LT(sigma, 0.6) << "metres";
-      EXPECT_NEAR(found[c], place[c], 3.0 * sigma) << "beacon " << id;
+      const int at = offsets.at(id) + c;
+      const double sigma = std::sqrt(P(at, at));
+      // The frame hangs on the odometry of the first metres: 0.02 rad over the 33 m to the farthest beacon.
+      EXPECT_LT(sigma, 0.02 * 33.0) << "metres";
+      worst = std::max(worst, std::abs(found[c] - place[c]) / sigma);
     }
   }
+  return worst;
+}
+
+/// How much deeper the minimum is than the one with all beacons at their true places: χ² of ten degrees of freedom if
+/// the estimator is right, and, unlike σ, exact where the likelihood is curved.
+double likelihoodRatio(plaza::Simulation::Result& simulated, double minimum) {
+  for (const auto& [id, place] : simulated.beacons) {
+    auto& beacon = simulated.graph.vertex<plaza::VertexBeacon>(id);
+    beacon.setEstimate(place);
+    beacon.setFixed(true);
+  }
+  return optimize(simulated.graph, {.maxIterations = 30}).finalChi2 - minimum;
+}
+
+/// All beacons lie within three σ of the truth. By chance alone that fails in about one world of a hundred; of the
+/// twenty here it does in one (seed 2), where the likelihood ratio shows the deviation to be an ordinary one.
+TEST(Beacons, AreFoundWithinThreeSigma) {
+  int beyond = 0;
+  double sum = 0.0;
+  constexpr int worlds = 20;
+  for (std::uint32_t seed = 1; seed <= worlds; ++seed) {
+    auto simulated = plaza::Simulation(seed).run();
+    const Summary summary = optimize(simulated.graph, {.maxIterations = 30});
+    ASSERT_EQ(summary.status, Status::converged) << summary.reason;
+    beyond += worstInSigmas(simulated) > 3.0;
+    const double ratio = likelihoodRatio(simulated, summary.finalChi2);
+    EXPECT_LT(ratio, 29.59) << "0.999 quantile, seed " << seed;
+    sum += ratio;
+  }
+  EXPECT_LE(beyond, 1);
+  // The mean of twenty is 10 ± 1.
+  EXPECT_NEAR(sum / worlds, 10.0, 3.0);
 }
 
 }  // namespace
