@@ -19,9 +19,15 @@
 #  define QUIVER_TARGET_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma")))
 #  define QUIVER_TARGET_AVX2 __attribute__((target("avx2,fma")))
 #  define QUIVER_TARGET_GENERIC
-#  define QUIVER_FOLD_ZEROS                                                                     \
-    __attribute__((flatten, optimize("finite-math-only", "no-signed-zeros", "no-trapping-math", \
-                                     "no-tree-loop-distribute-patterns")))
+// A sanitizer's checks in a loop that has pulled in everything take minutes to compile: there, calls stay calls.
+#  if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#    define QUIVER_FLATTEN
+#  else
+#    define QUIVER_FLATTEN __attribute__((flatten))
+#  endif
+#  define QUIVER_FOLD_ZEROS        \
+    QUIVER_FLATTEN __attribute__(( \
+        optimize("finite-math-only", "no-signed-zeros", "no-trapping-math", "no-tree-loop-distribute-patterns")))
 #  define QUIVER_COLD __attribute__((noinline, cold))
 #  define QUIVER_UNROLL _Pragma("GCC unroll 64")
 #else
