@@ -35,6 +35,9 @@ struct Flags {
   std::string robust;
   GaugePolicy gauge = GaugePolicy::automatic;
   std::vector<std::int64_t> fix;
+  std::vector<std::int64_t> only;
+  std::vector<std::string> eliminate = {"auto"};
+  std::int64_t memoryLimit = 0;
   int iterations = Options().maxIterations;
   double timeLimit = std::numeric_limits<double>::infinity();
   bool quiet = false;
@@ -49,6 +52,31 @@ void checkSolver(const std::string& name, const Registry& registry) {
                                near.empty() ? "" : fmt::format(", did you mean '{}'", near), fmt::join(names, ", ")));
 }
 
+/// --eliminate: "auto" or "none" alone, or tags.
+void checkEliminatedTypes(const std::vector<std::string>& words, const Registry& registry) {
+  for (const std::string& word : words) {
+    if (word == "auto" || word == "none") {
+      if (words.size() > 1) throw UsageError(fmt::format("--eliminate: '{}' stands alone", word));
+      continue;
+    }
+    if (registry.findVertexType(word)) continue;
+    std::vector<std::string> tags;
+    for (const auto& type : registry.vertexTypes()) tags.push_back(type->tag());
+    const std::string near = nearestWord(word, tags);
+    throw UsageError(fmt::format("--eliminate {}: no such vertex type{}; it is auto, none or tags of vertex types",
+                                 word, near.empty() ? "" : fmt::format(", did you mean '{}'", near)));
+  }
+}
+
+void applyElimination(const std::vector<std::string>& words, Options& options) {
+  if (words.front() == "none") {
+    options.elimination = EliminationPolicy::none;
+  } else if (words.front() != "auto") {
+    options.elimination = EliminationPolicy::types;
+    options.eliminatedTypes = words;
+  }
+}
+
 /// One run of the command.
 class Run {
  public:
@@ -61,6 +89,7 @@ class Run {
     const Registry& registry = *loaded.graph.registry();
     checkSolver(flags_.solver, registry);
     checkInitialGuess(flags_.init, registry);
+    checkEliminatedTypes(flags_.eliminate, registry);
     const std::optional<RobustKernel> kernel =
         flags_.robust.empty() ? std::nullopt : std::optional(parseRobustKernel(flags_.robust, registry));
     for (const std::string& note : readingNotes(flags_.source, loaded.report)) say(note);
@@ -71,7 +100,7 @@ class Run {
     }
     save(loaded);
     const Status status = report_.summary.status;
-    if (status == Status::numericalFailure)
+    if (status == Status::numericalFailure || status == Status::memoryLimit)
       fmt::print(stderr, "{}: {}\n", displayName(flags_.source.path), report_.summary.reason);
     return exitCodeOf(status);
   }
@@ -128,6 +157,9 @@ class Run {
     options.linearSolver = flags_.solver;
     options.gauge = flags_.gauge;
     options.threads = flags_.source.threads;
+    options.free = flags_.only;
+    options.memoryLimit = flags_.memoryLimit;
+    applyElimination(flags_.eliminate, options);
     options.stopToken = interrupt_.token();
     return options;
   }
@@ -168,6 +200,25 @@ void addSolverFlags(CLI::App& command, Flags& flags) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::NonNegativeNumber.description(""));
+  command.add_option("--only", flags.only, "Vertices to move; all others are held")
+      ->type_name("ID[,ID...]")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::NonNegativeNumber.description(""));
+  command
+      .add_option("--eliminate", flags.eliminate,
+                  "Vertices to eliminate before the rest is solved for: what pays, none, or those of types")
+      ->type_name("auto|none|TAG[,TAG...]")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->default_str("auto");
+  command
+      .add_option("--memory-limit", flags.memoryLimit,
+                  "Bytes the solve may take beside the graph (suffixes kb, mb, gb); refused before allocation if it "
+                  "would take more, exit code 4")
+      ->type_name("BYTES")
+      ->transform(CLI::AsSizeValue(false).description(""))
+      ->check(CLI::PositiveNumber.description(""));
   static const std::map<std::string, GaugePolicy> policies{
       {"auto", GaugePolicy::automatic}, {"fix", GaugePolicy::fix}, {"free", GaugePolicy::free}};
   command
@@ -207,7 +258,8 @@ void addOptimizeCommand(CLI::App& parser, int& exitCode) {
       "  quiver optimize city.g2o.gz --robust huber:1 --json report.json\n"
       "  quiver optimize edges_only.g2o --init tree --algorithm lm --time-limit 10 -o out.g2o\n\n"
       "Exit codes: 0 converged, iteration limit, stalled or nothing to optimise; 1 internal error; 2 usage;\n"
-      "3 bad input or plugin; 4 numerical failure; 5 interrupted or out of time (best estimate saved);\n"
+      "3 bad input or plugin; 4 numerical failure or memory limit; 5 interrupted or out of time (best estimate "
+      "saved);\n"
       "6 an output cannot be written (found out before solving).");
   command->callback([flags, &exitCode] { exitCode = Run(*flags).run(); });
 }

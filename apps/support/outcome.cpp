@@ -26,6 +26,7 @@ ExitCode exitCodeOf(Status status) {
     case Status::interrupted:
       return exitInterrupted;
     case Status::numericalFailure:
+    case Status::memoryLimit:
       return exitNumericalFailure;
   }
   return exitInternal;

@@ -18,6 +18,13 @@ enum class GaugePolicy {
   free        ///< never fix anything
 };
 
+/// Which vertices are eliminated before the rest is solved for (the Schur complement).
+enum class EliminationPolicy {
+  automatic,  ///< an independent set found from structure, if the predicted cost says so
+  none,       ///< none
+  types       ///< of the types in `eliminatedTypes`, as many as no edge joins to each other
+};
+
 /// What `optimize` does. An aggregate: fields are only ever appended.
 struct Options {
   /// Trial steps at most.
@@ -46,6 +53,13 @@ struct Options {
   double initialDamping = 1e-4;
   /// Called after every trial step, on the calling thread.
   std::function<void(const IterationReport&)> callback = {};
+
+  EliminationPolicy elimination = EliminationPolicy::automatic;
+  /// Tags of vertex types, for EliminationPolicy::types.
+  std::vector<std::string> eliminatedTypes = {};
+  /// Bytes that a solve may take beside the graph; 0 means no limit. A solve predicted to take more ends with
+  /// Status::memoryLimit before it allocates.
+  std::int64_t memoryLimit = 0;
 
   /// Throws GraphError naming the first option that makes no sense.
   void validate() const;

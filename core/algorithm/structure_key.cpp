@@ -31,7 +31,10 @@ StructureKey::StructureKey(const Graph& graph, const Options& options, int threa
       gauge_(options.gauge),
       solver_(options.linearSolver),
       algorithm_(options.algorithm),
-      free_(options.free) {
+      free_(options.free),
+      elimination_(options.elimination),
+      eliminatedTypes_(options.eliminatedTypes),
+      memoryLimit_(options.memoryLimit) {
   Hash hash;
   graph.forEachVertex([&](const Vertex& vertex) {
     hash.add(static_cast<std::uint64_t>(vertex.id()));

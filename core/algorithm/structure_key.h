@@ -31,6 +31,9 @@ class StructureKey {
   std::string solver_;
   std::string algorithm_;
   std::vector<std::int64_t> free_;
+  EliminationPolicy elimination_ = EliminationPolicy::automatic;
+  std::vector<std::string> eliminatedTypes_;
+  std::int64_t memoryLimit_ = 0;
 };
 
 }  // namespace quiver

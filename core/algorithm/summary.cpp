@@ -25,6 +25,8 @@ std::string_view toString(Status status) {
       return "numerical_failure";
     case Status::nothingToOptimise:
       return "nothing_to_optimise";
+    case Status::memoryLimit:
+      return "memory_limit";
   }
   throw LogicError(fmt::format("no such status: {}", static_cast<int>(status)));
 }
@@ -40,6 +42,7 @@ void Options::validate() const {
   demand(gradientTolerance >= 0.0, "gradientTolerance", gradientTolerance);
   demand(stepTolerance >= 0.0, "stepTolerance", stepTolerance);
   demand(level >= -1, "level", level);
+  demand(memoryLimit >= 0, "memoryLimit", static_cast<double>(memoryLimit));
   if (!(initialDamping > 0.0))
     throw GraphError(fmt::format("option initialDamping is {}: it must be positive", initialDamping));
 }

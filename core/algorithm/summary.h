@@ -8,7 +8,16 @@
 namespace quiver {
 
 /// How an optimisation ended.
-enum class Status { converged, iterationLimit, timeLimit, interrupted, stalled, numericalFailure, nothingToOptimise };
+enum class Status {
+  converged,
+  iterationLimit,
+  timeLimit,
+  interrupted,
+  stalled,
+  numericalFailure,
+  nothingToOptimise,
+  memoryLimit
+};
 
 /// "converged", "iteration_limit", …: the words of the command and its JSON.
 std::string_view toString(Status status);
@@ -56,6 +65,11 @@ struct SolvePlan {
   std::int64_t factorNonzeros = 0;
   double factorFlops = 0.0;
   std::int64_t bytes = 0;
+  /// The solver would have held more than Options::memoryLimit leaves: nothing was allocated.
+  bool exceedsMemory = false;
+  /// Ids of eliminated vertices that their edges leave undetermined: damped in those directions, if in part, or left as
+  /// they are. Of the last linear system solved.
+  std::vector<std::int64_t> singular;
 };
 
 /// What the world's freedom to move unnoticed was found to be.
