@@ -19,6 +19,8 @@ Json describeElement(const ElementType& type) {
   json["fields"] = Json::array();
   for (const Field& field : type.fields())
     json["fields"].push_back({{"name", field.name}, {"unit", field.unit}, {"documentation", field.documentation}});
+  for (const Field& field : type.tailFields())
+    json["tail_fields"].push_back({{"name", field.name}, {"unit", field.unit}, {"documentation", field.documentation}});
   return json;
 }
 
@@ -102,6 +104,16 @@ std::string words(const Json& list) {
   return text;
 }
 
+std::string fieldNames(const Json& list) {
+  std::string fields;
+  for (const Json& field : list) {
+    const auto unit = field["unit"].get<std::string>();
+    fields += fmt::format("{}{}{}", fields.empty() ? "" : " ", field["name"].get<std::string>(),
+                          unit.empty() ? "" : fmt::format("[{}]", unit));
+  }
+  return fields;
+}
+
 void printElement(const Json& type) {
   fmt::print("  {}\n", type["tag"].get<std::string>());
   if (type.contains("vertices")) {
@@ -109,13 +121,9 @@ void printElement(const Json& type) {
                type["any_number_of_the_last"].get<bool>() ? ", and any number more of the last" : "");
     if (!type["parameters"].empty()) fmt::print("      parameters {}\n", words(type["parameters"]));
   }
-  std::string fields;
-  for (const Json& field : type["fields"]) {
-    const auto unit = field["unit"].get<std::string>();
-    fields += fmt::format("{}{}{}", fields.empty() ? "" : " ", field["name"].get<std::string>(),
-                          unit.empty() ? "" : fmt::format("[{}]", unit));
-  }
+  std::string fields = fieldNames(type["fields"]);
   if (type.contains("information") && type["information"].get<bool>()) fields += " information(upper triangle)";
+  if (type.contains("tail_fields")) fields += " " + fieldNames(type["tail_fields"]);
   if (!fields.empty()) fmt::print("      fields {}\n", fields);
   if (type.contains("tangent")) fmt::print("      tangent {}\n", words(type["tangent"]));
   if (type.contains("jacobians")) {

@@ -67,6 +67,12 @@ void G2oFieldReader::failEarly() {
   std::size_t read = 0;
   while (!counter.token().empty()) ++read;
   if (information_) {
+    const auto entries = static_cast<std::size_t>(informationDimension_ * (informationDimension_ + 1) / 2);
+    const std::vector<Field> tail = type_.tailFields();
+    if (read >= entries && read - entries < tail.size()) {
+      throw source_.endsEarly(from, fmt::format("field '{}' of {}, behind the information matrix, is missing",
+                                                tail[read - entries].name, type_.tag()));
+    }
     int row = 0;
     int column = static_cast<int>(read);
     for (; column >= informationDimension_ - row; ++row) column -= informationDimension_ - row;

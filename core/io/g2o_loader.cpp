@@ -231,6 +231,7 @@ void G2oLoader::readElement(const G2oLine& line, void* element, FieldPass& pass)
       type.read(reader, edge);
       if (type.hasInformationField())
         readInformation(type, edge, line.entry->dialect == LineDialect::toro, reader, pass);
+      type.readTail(reader, edge);
     }
   } catch (const ParseError&) {
     throw;

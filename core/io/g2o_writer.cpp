@@ -131,6 +131,7 @@ class ElementWriter final : public FieldWriter {
     for (const std::int64_t id : edge.parameterIds()) integer(id);
     type.write(edge, *this);
     if (type.hasInformationField()) reals(type.information(edge));
+    type.writeTail(edge, *this);
     out_.character('\n');
     if (annotations_) writeMarks(edge);
     if (attachment) lines(attachment->after);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include <fmt/format.h>
 #include <Eigen/SVD>
@@ -71,6 +72,10 @@ class Conformance {
       detail::RandomReader reader(random_, type.fields(), count);
       try {
         type.read(reader, element);
+        if constexpr (std::is_same_v<Type, EdgeType>) {
+          detail::RandomReader tail(random_, type.tailFields(), count);
+          type.readTail(tail, element);
+        }
         return;
       } catch (const Error&) {
         if (trial == trials) throw;
@@ -81,17 +86,25 @@ class Conformance {
   template <typename Type, typename Element>
   void checkRoundTrip(const Type& type, const Element& element, Element& other, bool countFields) {
     detail::TokenWriter first, second;
-    type.write(element, first);
+    writeAll(type, element, first);
     detail::TokenReader reader(first.tokens());
     type.read(reader, other);
+    if constexpr (std::is_same_v<Type, EdgeType>) type.readTail(reader, other);
     expect(reader.atEnd(), type, "round trip", "reading leaves numbers that were written");
-    type.write(other, second);
+    writeAll(type, other, second);
     const auto same = [](const auto& a, const auto& b) { return a.same(b); };
     expect(
         std::equal(first.tokens().begin(), first.tokens().end(), second.tokens().begin(), second.tokens().end(), same),
         type, "round trip", "what was written and read is written with other bits");
-    expect(!countFields || first.tokens().size() == type.fields().size(), type, "fields",
-           fmt::format("{} numbers are written, fields() lists {}", first.tokens().size(), type.fields().size()));
+    const std::size_t listed = type.fields().size() + type.tailFields().size();
+    expect(!countFields || first.tokens().size() == listed, type, "fields",
+           fmt::format("{} numbers are written, fields() lists {}", first.tokens().size(), listed));
+  }
+
+  template <typename Type, typename Element>
+  static void writeAll(const Type& type, const Element& element, FieldWriter& writer) {
+    type.write(element, writer);
+    if constexpr (std::is_same_v<Type, EdgeType>) type.writeTail(element, writer);
   }
 
   Vertex& makeVertex(Graph& graph, const VertexType& type, std::int64_t id) {

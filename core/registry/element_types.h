@@ -30,6 +30,8 @@ class ElementType {
   const std::string& documentation() const { return documentation_; }
   /// The numbers of a file's line after the ids, without the information matrix.
   virtual std::vector<Field> fields() const = 0;
+  /// Numbers that stand behind the information matrix, where g2o's format has no place for them.
+  virtual std::vector<Field> tailFields() const { return {}; }
 
  protected:
   ElementType(std::string tag, std::string_view cppName, std::string documentation)
@@ -128,6 +130,9 @@ class EdgeType : public ElementType {
 
   virtual void read(FieldReader& reader, Edge& edge) const = 0;
   virtual void write(const Edge& edge, FieldWriter& writer) const = 0;
+  /// The same for tailFields(); what may be left out is the type's business.
+  virtual void readTail(FieldReader&, Edge&) const {}
+  virtual void writeTail(const Edge&, FieldWriter&) const {}
 
   /// Compiles edges of this type.
   virtual std::unique_ptr<EdgeBatch> makeBatch(const BatchSource& source) const = 0;

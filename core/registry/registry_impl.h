@@ -198,6 +198,11 @@ struct ParameterNames<ParameterList<P...>> {
 template <typename E>
 class EdgeTypeOf final : public EdgeType {
   using Roles = RoleNames<typename E::VertexTypes>;
+  static constexpr bool hasTail = requires(E & edge, const E& constant, FieldReader& reader, FieldWriter& writer) {
+    E::tailFields();
+    edge.readTail(reader);
+    constant.writeTail(writer);
+  };
 
  public:
   EdgeTypeOf(std::string tag, std::string documentation)
@@ -257,6 +262,20 @@ class EdgeTypeOf final : public EdgeType {
     } else {
       ValueFields<typename E::Measurement>::write(typed.measurement(), writer);
     }
+  }
+
+  std::vector<Field> tailFields() const override {
+    if constexpr (hasTail) {
+      return E::tailFields();
+    } else {
+      return {};
+    }
+  }
+  void readTail(FieldReader& reader, Edge& edge) const override {
+    if constexpr (hasTail) static_cast<E&>(edge).readTail(reader);
+  }
+  void writeTail(const Edge& edge, FieldWriter& writer) const override {
+    if constexpr (hasTail) static_cast<const E&>(edge).writeTail(writer);
   }
 
   std::unique_ptr<EdgeBatch> makeBatch(const BatchSource& source) const override {
