@@ -4,10 +4,10 @@
 #include <quiver/initialization/automatic.h>
 #include <quiver/initialization/chordal.h>
 #include <quiver/initialization/spanning_tree.h>
+#include <quiver/solvers/automatic_system.h>
 #include <quiver/solvers/backends/block_solver.h>
 #include <quiver/solvers/backends/dense_solver.h>
 #include <quiver/solvers/backends/eigen_solver.h>
-#include <quiver/solvers/normal_equations.h>
 #include <quiver/types_slam2d/register.h>
 #include <quiver/types_slam3d/register.h>
 
@@ -17,14 +17,14 @@ namespace {
 void addLinearSolver(Registry& registry, const char* name, const char* documentation,
                      std::unique_ptr<LinearSolver> (*make)()) {
   registry.addLinearSystem(name, documentation,
-                           [make](const Options&) { return std::make_unique<NormalEquations>(make()); });
+                           [make](const Options&) { return std::make_unique<AutomaticSystem>(make); });
 }
 
 }  // namespace
 
 void registerLinearSystems(Registry& registry) {
   registry.addLinearSystem("auto", "The linear solver of least predicted cost, chosen when the structure is known.",
-                           [](const Options&) { return std::make_unique<NormalEquations>(); });
+                           [](const Options&) { return std::make_unique<AutomaticSystem>(); });
   addLinearSolver(registry, "block", "Sparse block Cholesky of quiver's own; the same bits for any number of threads.",
                   makeBlockSolver);
   addLinearSolver(registry, "dense", "Dense Cholesky of the whole matrix, for systems that are small or full.",

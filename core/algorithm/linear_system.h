@@ -44,6 +44,9 @@ class LinearSystem {
  public:
   virtual ~LinearSystem() = default;
 
+  /// Whether `analyze` would eliminate vertices of this problem beforehand. Pure; a fraction of the analysis.
+  virtual bool eliminates(const Problem&, const Options&) const { return false; }
+
   /// Decides ordering, elimination and layout for a problem; `problem` must outlive the system's use. Fills the plan.
   virtual void analyze(const Problem& problem, const Options& options, int threads) = 0;
 

@@ -1,0 +1,29 @@
+#include <quiver/solvers/automatic_system.h>
+
+#include <quiver/solvers/elimination/elimination_choice.h>
+#include <quiver/solvers/elimination/schur_system.h>
+#include <quiver/solvers/normal_equations.h>
+
+namespace quiver {
+
+AutomaticSystem::AutomaticSystem(std::function<std::unique_ptr<LinearSolver>()> make) : make_(std::move(make)) {}
+
+bool AutomaticSystem::eliminates(const Problem& problem, const Options& options) const {
+  return chooseElimination(problem, options).count > 0;
+}
+
+void AutomaticSystem::analyze(const Problem& problem, const Options& options, int threads) {
+  EliminationChoice choice = chooseElimination(problem, options);
+  eliminates_ = choice.count > 0;
+  const std::string reason = choice.reason;
+  if (eliminates_) {
+    system_ = std::make_unique<SchurSystem>(make_ ? make_() : nullptr, std::move(choice));
+  } else {
+    system_ = make_ ? std::make_unique<NormalEquations>(make_()) : std::make_unique<NormalEquations>();
+  }
+  system_->analyze(problem, options, threads);
+  plan_ = system_->plan();
+  plan_.eliminationReason = reason;
+}
+
+}  // namespace quiver

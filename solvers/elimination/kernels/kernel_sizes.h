@@ -1,0 +1,25 @@
+// Sizes that are compiled as constants. Adding one is one line.
+
+// QUIVER_ROW_SIZE(N, k, e): error dimension, kept vertex, eliminated vertex.
+#ifdef QUIVER_ROW_SIZE
+QUIVER_ROW_SIZE(2, 9, 3)
+QUIVER_ROW_SIZE(2, 7, 3)
+QUIVER_ROW_SIZE(2, 6, 3)
+QUIVER_ROW_SIZE(2, 3, 3)
+QUIVER_ROW_SIZE(3, 6, 3)
+QUIVER_ROW_SIZE(2, 6, 1)
+QUIVER_ROW_SIZE(2, 3, 2)
+QUIVER_ROW_SIZE(1, 3, 2)
+#endif
+
+// QUIVER_PAIR_SIZE(kRow, kColumn, e): two kept vertices of different dimensions that see the same eliminated one.
+#ifdef QUIVER_PAIR_SIZE
+QUIVER_PAIR_SIZE(9, 9, 3)
+QUIVER_PAIR_SIZE(7, 7, 3)
+QUIVER_PAIR_SIZE(6, 6, 3)
+QUIVER_PAIR_SIZE(6, 3, 3)
+QUIVER_PAIR_SIZE(3, 6, 3)
+QUIVER_PAIR_SIZE(3, 3, 3)
+QUIVER_PAIR_SIZE(6, 6, 1)
+QUIVER_PAIR_SIZE(3, 3, 2)
+#endif

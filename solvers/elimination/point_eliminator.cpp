@@ -1,0 +1,325 @@
+#include <quiver/solvers/elimination/point_eliminator.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include <quiver/core/util/parallel.h>
+#include <quiver/solvers/elimination/kernels/elimination_level.h>
+
+namespace quiver {
+namespace {
+
+constexpr int lanes = Panel::lanes;
+/// Parts of a tile, or of a pass over all groups, that may run side by side.
+constexpr int parts = 8;
+/// A pivot below this share of its diagonal is rounding: the direction is left out.
+constexpr double pivotFloor = 1e-13;
+/// Copies of S for tiles that run side by side: four while S is this small, two up to the second size, else one.
+constexpr std::int64_t smallMatrix = 1 << 17;
+constexpr std::int64_t middleMatrix = 1 << 20;
+
+int indexOf(std::vector<int>& list, int value) {
+  const auto found = std::find(list.begin(), list.end(), value);
+  if (found != list.end()) return static_cast<int>(found - list.begin());
+  list.push_back(value);
+  return static_cast<int>(list.size()) - 1;
+}
+
+}  // namespace
+
+PointEliminator::PointEliminator(const Problem& problem, const EliminationPlan& plan, const RowLinearizer& linearizer,
+                                 const PointAssembler& assembler, int threads)
+    : problem_(&problem),
+      plan_(&plan),
+      linearizer_(&linearizer),
+      assembler_(&assembler),
+      threads_(threads),
+      set_(&detail::eliminationKernels()),
+      factors_(plan.sumNumbers() + 8),
+      dropped_(static_cast<std::size_t>(plan.pointGroups()), 0) {
+  chooseKernels();
+  std::int64_t next = 0;
+  for (int k = 0; k < plan.kept(); ++k) {
+    padded_.push_back(next);
+    next += (plan.keptLayout().dimension(k) + 7) / 8 * 8;
+  }
+  padded_.push_back(next);  // zeros, for fixed vertices
+  int largest = 8;
+  int scratch = 8;
+  int along = 8;
+  for (const RowKind& kind : plan.kinds()) {
+    for (const int columns : kind.shape.columns) {
+      for (const int e : pointDimensions_) {
+        largest = std::max(largest, detail::recordSize(columns, e));
+        scratch = std::max(scratch, std::max(kind.shape.rows, 2) * e * lanes);
+      }
+      largest = std::max(largest, (columns + 7) / 8 * 8);
+    }
+    along = std::max(along, kind.shape.rows * lanes);
+  }
+  paddedIn_ = AlignedBuffer(next + largest);
+  workspaces_.resize(parts);
+  for (Workspace& work : workspaces_) {
+    work.rows = linearizer.makeWorkspace();
+    work.scratch = AlignedBuffer(scratch);
+    work.nowhere = AlignedBuffer(largest);
+    work.along = AlignedBuffer(along * RowLinearizer::mostRows);
+  }
+}
+
+void PointEliminator::chooseKernels() {
+  for (const RowKind& kind : plan_->kinds()) {
+    KindKernels kernels;
+    const int n = kind.shape.rows;
+    if (kind.role >= 0) {
+      kernels.e = kind.shape.columns[static_cast<std::size_t>(kind.role)];
+      indexOf(pointDimensions_, kernels.e);
+      kernels.multiplyPoint = set_->multiplyRow(n, kernels.e);
+      kernels.transposed = set_->transposedRow(n, kernels.e);
+    }
+    for (int role = 0; role < static_cast<int>(kind.keptRoles.size()); ++role) {
+      kernels.reduce.push_back(set_->reduceRow(n, kind.dimension(role), kernels.e));
+      kernels.multiply.push_back(set_->multiplyRow(n, kind.dimension(role)));
+      kernels.scatter.push_back(set_->scatterRow(n, kind.dimension(role)));
+    }
+    kernels_.push_back(std::move(kernels));
+  }
+  for (int k = 0; k < plan_->kept(); ++k)
+    classOf_.push_back(indexOf(classDimensions_, plan_->keptLayout().dimension(k)));
+  for (const int e : pointDimensions_) {
+    for (const int row : classDimensions_) {
+      squareKernels_.push_back(set_->subtractSquares(row, e));
+      for (const int column : classDimensions_) pairKernels_.push_back(set_->subtractPairs(row, column, e));
+    }
+  }
+}
+
+void PointEliminator::layOut(const BlockMatrix& matrix, std::span<const int> position, bool diagonalOnly) {
+  position_.assign(position.begin(), position.end());
+  tiles_ = TilePlan(*plan_, matrix, position, diagonalOnly);
+  const BlockPattern& direct = assembler_->hessian().pattern();
+  hessianTargets_.clear();
+  for (int column = 0; column < direct.blocks(); ++column) {
+    for (std::int64_t k = direct.columnBegin(column); k < direct.columnEnd(column); ++k) {
+      const int r = position_[static_cast<std::size_t>(direct.row(k))];
+      const int c = position_[static_cast<std::size_t>(column)];
+      const std::int64_t entry = matrix.pattern().find(std::max(r, c), std::min(r, c));
+      hessianTargets_.push_back(entry < 0 ? -1 : 2 * matrix.offset(entry) + (r < c ? 1 : 0));
+    }
+  }
+  const auto size = static_cast<std::int64_t>(matrix.values().size());
+  const auto count = static_cast<int>(tiles_.tiles().size());
+  const int copies = std::clamp(size <= smallMatrix ? 4 : size <= middleMatrix ? 2 : 1, 1, std::max(1, count));
+  slabs_.resize(static_cast<std::size_t>(copies));
+  for (int s = 0; s < copies; ++s) {
+    Slab& slab = slabs_[static_cast<std::size_t>(s)];
+    slab.tileBegin = s * count / copies;
+    slab.tileEnd = (s + 1) * count / copies;
+    if (s > 0) {
+      slab.copy = AlignedBuffer(size);
+      slab.right.assign(static_cast<std::size_t>(plan_->keptLayout().scalars()), 0.0);
+    }
+    slab.records = AlignedBuffer(tiles_.tileNumbers() + 8);
+  }
+  while (workspaces_.size() < slabs_.size() * parts) {
+    Workspace work;
+    work.rows = linearizer_->makeWorkspace();
+    work.scratch = workspaces_.front().scratch;
+    work.nowhere = workspaces_.front().nowhere;
+    work.along = workspaces_.front().along;
+    workspaces_.push_back(std::move(work));
+  }
+}
+
+void PointEliminator::factorize(std::span<const double> damping) {
+  const int count = plan_->pointGroups();
+  parallelFor(parts, threads_, [&](std::int64_t p) {
+    for (std::int64_t g = p * count / parts; g < (p + 1) * count / parts; ++g)
+      factorGroup(static_cast<int>(g), damping);
+  });
+}
+
+void PointEliminator::factorGroup(int g, std::span<const double> damping) {
+  const EliminationPlan::Group& group = plan_->groups()[static_cast<std::size_t>(g)];
+  constexpr int onStack = 16;
+  double small[onStack * lanes];
+  AlignedBuffer large;
+  double* own = small;
+  if (group.dimension > onStack) {
+    large = AlignedBuffer(std::int64_t{group.dimension} * lanes);
+    own = large.data();
+  }
+  std::fill_n(own, group.dimension * lanes, 0.0);
+  for (int lane = 0; lane < lanes && !damping.empty(); ++lane) {
+    if ((group.lanes >> lane & 1) == 0) continue;
+    const double* from = damping.data() + problem_->offset(group.points[static_cast<std::size_t>(lane)]);
+    for (int j = 0; j < group.dimension; ++j) own[j * lanes + lane] = from[j];
+  }
+  double dropped[lanes];
+  set_->factorPoint(group.dimension)(assembler_->sums() + group.sums, own, group.dimension, pivotFloor,
+                                     factors_.data() + group.sums, dropped);
+  unsigned bits = 0;
+  for (int lane = 0; lane < lanes; ++lane) bits |= (dropped[lane] > 0.0 ? 1U : 0U) << lane;
+  dropped_[static_cast<std::size_t>(g)] = static_cast<unsigned char>(bits & group.lanes);
+}
+
+std::vector<int> PointEliminator::singularPoints() const {
+  std::vector<int> points;
+  for (std::size_t g = 0; g < dropped_.size(); ++g) {
+    for (std::size_t lane = 0; dropped_[g] != 0 && lane < lanes; ++lane) {
+      if (dropped_[g] >> lane & 1) points.push_back(plan_->groups()[g].points[lane]);
+    }
+  }
+  std::sort(points.begin(), points.end());
+  return points;
+}
+
+bool PointEliminator::reduce(const State& state, std::span<const double> damping, BlockMatrix& matrix,
+                             std::span<double> right, const StopCondition& stop) {
+  startMatrix(damping, matrix, right);
+  std::atomic<bool> stopped{false};
+  parallelFor(static_cast<std::int64_t>(slabs_.size()), threads_, [&](std::int64_t s) {
+    Slab& slab = slabs_[static_cast<std::size_t>(s)];
+    std::fill(slab.copy.data(), slab.copy.data() + slab.copy.size(), 0.0);
+    std::fill(slab.right.begin(), slab.right.end(), 0.0);
+    for (int t = slab.tileBegin; t < slab.tileEnd; ++t) {
+      if (stopped.load(std::memory_order_relaxed)) return;
+      if (stop.reached()) stopped = true;
+      reduceTile(state, t, static_cast<int>(s), matrix, right);
+    }
+  });
+  if (stopped) return false;
+  mergeSlabs(matrix, right);
+  return true;
+}
+
+/// S ← H + D and s ← g of the kept vertices.
+void PointEliminator::startMatrix(std::span<const double> damping, BlockMatrix& matrix, std::span<double> right) {
+  matrix.setZero();
+  const BlockMatrix& hessian = assembler_->hessian();
+  const BlockPattern& direct = hessian.pattern();
+  for (int column = 0; column < direct.blocks(); ++column) {
+    const int columns = direct.layout().dimension(column);
+    for (std::int64_t k = direct.columnBegin(column); k < direct.columnEnd(column); ++k) {
+      const std::int64_t target = hessianTargets_[static_cast<std::size_t>(k)];
+      if (target < 0) continue;
+      const int rows = direct.layout().dimension(direct.row(k));
+      const double* from = hessian.block(k);
+      double* to = matrix.values().data() + target / 2;
+      for (int c = 0; c < columns; ++c) {
+        for (int r = 0; r < rows; ++r) to[target % 2 != 0 ? r * columns + c : c * rows + r] = from[c * rows + r];
+      }
+    }
+    if (damping.empty()) continue;
+    const int block = position_[static_cast<std::size_t>(column)];
+    double* diagonal = matrix.block(matrix.pattern().columnBegin(block));
+    const double* own = damping.data() + problem_->offset(plan_->keptVariable(column));
+    for (int c = 0; c < columns; ++c) diagonal[c * (columns + 1)] += own[c];
+  }
+  std::copy(assembler_->keptGradient().begin(), assembler_->keptGradient().end(), right.begin());
+}
+
+void PointEliminator::reduceTile(const State& state, int t, int slabIndex, BlockMatrix& matrix,
+                                 std::span<double> right) {
+  Slab& slab = slabs_[static_cast<std::size_t>(slabIndex)];
+  const TilePlan::Tile& tile = tiles_.tiles()[static_cast<std::size_t>(t)];
+  const std::int64_t groups = tile.groupEnd - tile.groupBegin;
+  parallelFor(parts, threads_, [&](std::int64_t p) {
+    Workspace& work = workspaces_[static_cast<std::size_t>(slabIndex * parts + p)];
+    for (std::int64_t g = p * groups / parts; g < (p + 1) * groups / parts; ++g)
+      writeRecords(state, tile.groupBegin + static_cast<int>(g), slab, work);
+  });
+  double* values = slabIndex == 0 ? matrix.values().data() : slab.copy.data();
+  double* own = slabIndex == 0 ? right.data() : slab.right.data();
+  const std::int64_t blocks = tile.blockEnd - tile.blockBegin;
+  parallelFor(parts, threads_, [&](std::int64_t p) {
+    visitBlocks(tile.blockBegin + p * blocks / parts, tile.blockBegin + (p + 1) * blocks / parts, tile.dimension,
+                slab.records.data(), values, own);
+  });
+}
+
+void PointEliminator::writeRecords(const State& state, int g, Slab& slab, Workspace& work) {
+  const EliminationPlan::Group& group = plan_->groups()[static_cast<std::size_t>(g)];
+  const int e = group.dimension;
+  const double* factor = factors_.data() + group.sums;
+  const double* tau = factor + e * (e + 1) / 2 * lanes;
+  for (const TilePlan::SharedRecord& shared : tiles_.sharedRecords(g)) {
+    const int k = plan_->keptLayout().dimension(shared.kept);
+    double* record = slab.records.data() + std::int64_t{shared.place} * 8;
+    std::fill_n(record, detail::recordSize(k, e), 0.0);
+    for (int c = 0; c < e; ++c) record[detail::recordEntry(k, e, k, c)] = tau[c * lanes + shared.lane];
+  }
+  for (int begin = group.rowBegin; begin < group.rowEnd;) {
+    const int end = linearizer_->runEnd(begin, group.rowEnd);
+    const Panel& panel = linearizer_->linearize(state, begin, end, work.rows, nullptr);
+    for (int r = begin; r < end; ++r) {
+      const EliminationPlan::Row& row = plan_->rows()[static_cast<std::size_t>(r)];
+      const RowKind& kind = plan_->kinds()[static_cast<std::size_t>(row.kind)];
+      const KindKernels& kernels = kernels_[static_cast<std::size_t>(row.kind)];
+      const int n = kind.shape.rows;
+      const double* Je = panel.jacobian[kind.role] + (r - begin) * n * e * lanes;
+      const std::uint16_t* places = tiles_.places(row);
+      for (int role = 0; role < static_cast<int>(kind.keptRoles.size()); ++role, places += lanes) {
+        const int k = kind.dimension(role);
+        double* records[lanes];
+        for (int lane = 0; lane < lanes; ++lane) {
+          records[lane] = places[lane] == TilePlan::nowhere ? work.nowhere.data()
+                                                            : slab.records.data() + std::int64_t{places[lane]} * 8;
+        }
+        kernels.reduce[static_cast<std::size_t>(role)](
+            panel.jacobian[kind.keptRoles[static_cast<std::size_t>(role)]] + (r - begin) * n * k * lanes, Je, factor, n,
+            k, e, tiles_.adds(r, role), work.scratch.data(), records);
+      }
+    }
+    begin = end;
+  }
+}
+
+void PointEliminator::visitBlocks(std::int64_t begin, std::int64_t end, int e, const double* records, double* values,
+                                  double* right) {
+  const auto classes = classDimensions_.size();
+  const auto pointClass = static_cast<std::size_t>(std::find(pointDimensions_.begin(), pointDimensions_.end(), e) -
+                                                   pointDimensions_.begin());
+  for (std::int64_t b = begin; b < end; ++b) {
+    const TilePlan::Block& block = tiles_.blocks()[static_cast<std::size_t>(b)];
+    const std::int64_t count = tiles_.blocks()[static_cast<std::size_t>(b) + 1].pairs - block.pairs;
+    const detail::RecordPair* pairs = tiles_.pairs().data() + block.pairs;
+    const auto row = static_cast<std::size_t>(classOf_[static_cast<std::size_t>(block.row)]);
+    const auto column = static_cast<std::size_t>(classOf_[static_cast<std::size_t>(block.column)]);
+    double* target = values + block.target;
+    if (block.row == block.column) {
+      squareKernels_[pointClass * classes + row](records, pairs, count, classDimensions_[row], e, target,
+                                                 right + plan_->keptLayout().offset(block.row));
+    } else {
+      pairKernels_[(pointClass * classes + row) * classes + column](records, pairs, count, classDimensions_[row],
+                                                                    classDimensions_[column], e, target);
+    }
+  }
+}
+
+void PointEliminator::mergeSlabs(BlockMatrix& matrix, std::span<double> right) {
+  constexpr std::int64_t chunk = 8192;
+  const auto size = static_cast<std::int64_t>(matrix.values().size());
+  if (slabs_.size() == 1) return;
+  parallelFor((size + chunk - 1) / chunk, threads_, [&](std::int64_t c) {
+    double* values = matrix.values().data();
+    for (std::size_t s = 1; s < slabs_.size(); ++s) {
+      const double* copy = slabs_[s].copy.data();
+      for (std::int64_t i = c * chunk; i < std::min(size, (c + 1) * chunk); ++i) values[i] += copy[i];
+    }
+  });
+  for (std::size_t s = 1; s < slabs_.size(); ++s) {
+    for (std::size_t i = 0; i < right.size(); ++i) right[i] += slabs_[s].right[i];
+  }
+}
+
+std::int64_t PointEliminator::bytes() const {
+  std::int64_t doubles = factors_.size() + paddedIn_.size();
+  for (const Slab& slab : slabs_)
+    doubles += slab.copy.size() + slab.records.size() + static_cast<std::int64_t>(slab.right.size());
+  for (const AlignedBuffer& out : paddedOut_) doubles += out.size();
+  return doubles * 8 + tiles_.bytes() +
+         static_cast<std::int64_t>(workspaces_.size()) * RowLinearizer::workspaceBytes(*plan_);
+}
+
+}  // namespace quiver

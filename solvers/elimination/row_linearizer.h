@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include <quiver/core/algorithm/linear_system.h>
+#include <quiver/core/problem/panel.h>
+#include <quiver/solvers/elimination/elimination_plan.h>
+
+namespace quiver {
+
+/// Linearises rows of an elimination plan into panels in the first cache. Lanes without an edge contribute nothing:
+/// their residual and the block of their point are zero. Const; one workspace a task.
+class RowLinearizer {
+ public:
+  /// Rows of one panel.
+  static constexpr int mostRows = Panel::capacity / Panel::lanes;
+
+  /// Panels by kind, and memory for one edge whose shape is its own.
+  struct Workspace {
+    std::vector<PanelBuffer> panels;
+    std::vector<PanelBuffer> single;
+  };
+
+  RowLinearizer() = default;
+  RowLinearizer(const Problem& problem, const EliminationPlan& plan) : problem_(&problem), plan_(&plan) {}
+
+  Workspace makeWorkspace() const;
+  static std::int64_t workspaceBytes(const EliminationPlan& plan);
+
+  /// The end of the run of rows that starts at `begin` and fits one panel.
+  int runEnd(int begin, int end) const;
+  /// Rows [begin, end) of one kind, at most mostRows. Adds their totals if `totals` is given.
+  const Panel& linearize(const State& state, int begin, int end, Workspace& work, CostTotals* totals) const;
+
+ private:
+  void linearizeSingly(const State& state, int begin, int end, const Panel& panel, Workspace& work) const;
+  void clearLane(const RowKind& kind, const Panel& panel, int row, int lane) const;
+  void dropHeldColumns(const RowKind& kind, const Panel& panel, int row, int lane, int edge) const;
+  void addTotals(int begin, int end, const Panel& panel, CostTotals& totals) const;
+
+  const Problem* problem_ = nullptr;
+  const EliminationPlan* plan_ = nullptr;
+};
+
+}  // namespace quiver
