@@ -8,6 +8,7 @@
 #include <quiver/solvers/backends/block_solver.h>
 #include <quiver/solvers/backends/dense_solver.h>
 #include <quiver/solvers/backends/eigen_solver.h>
+#include <quiver/types_sba/register.h>
 #include <quiver/types_slam2d/register.h>
 #include <quiver/types_slam3d/register.h>
 
@@ -50,6 +51,7 @@ std::shared_ptr<Registry> builtinRegistry() {
   auto registry = std::make_shared<Registry>();
   registerSlam2d(*registry);
   registerSlam3d(*registry);
+  registerSba(*registry);
   registerRobustKernels(*registry);
   registerLinearSystems(*registry);
   registerInitializers(*registry);
