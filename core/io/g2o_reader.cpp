@@ -1,5 +1,7 @@
 #include <quiver/core/io/g2o_reader.h>
 
+#include <quiver/core/io/bal_format.h>
+#include <quiver/core/io/bal_reader.h>
 #include <quiver/core/io/g2o_loader.h>
 #include <quiver/core/io/input_file.h>
 
@@ -21,6 +23,7 @@ Graph readGraphText(std::string_view text, const std::string& name, std::shared_
     options.report->format = "g2o";
     options.report->storedBytes = options.report->textBytes = static_cast<std::int64_t>(text.size());
   }
+  if (detail::looksLikeBal(text)) return detail::loadBal(source, std::move(registry), options);
   return detail::G2oLoader(source, std::move(registry), options).load();
 }
 

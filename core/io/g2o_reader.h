@@ -21,7 +21,7 @@ enum class InformationPolicy { check, clamp };
 
 /// What reading found out beside the graph.
 struct ReadReport {
-  /// "g2o" or "toro".
+  /// "g2o", "toro" or "bal".
   std::string format;
   /// Size of the file before and after inflating.
   std::int64_t storedBytes = 0;
@@ -41,14 +41,16 @@ struct ReadOptions {
   ReadReport* report = nullptr;
 };
 
-/// Reads a graph from a .g2o or planar TORO file, plain, gzip or bzip2; "-" is standard input.
+/// Reads a graph from a .g2o or planar TORO file or from one of "bundle adjustment in the large" (BAL), told apart by
+/// their text; plain, gzip or bzip2; "-" is standard input.
 ///
 /// Lines may come in any order: edges before vertices, FIX and parameters anywhere. A file without vertex lines gets
 /// vertices without an estimate, of the types its edges join. Comments stay with the element that follows them, data
 /// lines with the one before;
 /// "#quiver" lines carry what the format cannot (see writeGraph). Estimates are kept to the last bit. TORO's VERTEX2
 /// and EDGE2 become VERTEX_SE2 and EDGE_SE2, its bearings and ranges (BR) points seen from a pose, EDGE_SE2_XY;
-/// landmarks without a line of their own then have no estimate.
+/// landmarks without a line of their own then have no estimate. Of BAL, cameras become VERTEX_CAMERA:BAL with the ids
+/// 0, 1, …, points VERTEX_TRACKXYZ with the ids after them, and observations EDGE_PROJECT_BAL with information I.
 ///
 /// Throws FileError if the file cannot be read, ParseError at the first line that is wrong. Information matrices that
 /// are none are counted to the end of the file. O(size of the file).

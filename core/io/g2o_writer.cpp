@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <quiver/core/io/bal_format.h>
+#include <quiver/core/io/bal_writer.h>
 #include <quiver/core/io/number_writer.h>
 #include <quiver/core/io/output_file.h>
 #include <quiver/core/util/error.h>
@@ -249,10 +251,19 @@ class G2oWriter {
 }  // namespace
 
 void writeGraph(const std::string& path, const Graph& graph, const WriteOptions& options) {
+  checkFormat(path, graph);
   OutputFile file(path);
   auto sink = [&](std::string_view text) { file.write(text); };
-  G2oWriter(graph, options, sink).run();
+  if (detail::isBalPath(path)) {
+    detail::writeBal(graph, options.threads, sink);
+  } else {
+    G2oWriter(graph, options, sink).run();
+  }
   file.commit();
+}
+
+void checkFormat(const std::string& path, const Graph& graph) {
+  if (detail::isBalPath(path)) detail::checkBal(graph);
 }
 
 std::string graphText(const Graph& graph, const WriteOptions& options) {

@@ -27,10 +27,18 @@ struct WriteOptions {
 ///     #quiver fixed DIRECTION…              the vertex before; directions of the tangent, counted from 0
 ///     #quiver vertex TAG ID                 a vertex without an estimate
 ///
-/// Throws FileError if the file cannot be written, GraphError if a number is not finite. O(size).
+/// A name that ends in .bal, .bal.gz or .bal.bz2 asks for the format of "bundle adjustment in the large" instead, which
+/// holds cameras, points and pixels alone: ids become 0, 1, …, comments and data lines are left out, and kernels, levels
+/// or fixed vertices are refused.
+///
+/// Throws FileError if the file cannot be written, GraphError if a number is not finite or the format cannot hold the
+/// graph. O(size).
 void writeGraph(const std::string& path, const Graph& graph, const WriteOptions& options = {});
 
-/// What writeGraph() writes.
+/// Throws GraphError if the format that the name asks for cannot hold the graph: to be asked before long work. O(size).
+void checkFormat(const std::string& path, const Graph& graph);
+
+/// What writeGraph() writes as .g2o.
 std::string graphText(const Graph& graph, const WriteOptions& options = {});
 
 }  // namespace quiver
