@@ -1,0 +1,79 @@
+#include <quiver/apps/simulate/bundle_command.h>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <quiver/apps/simulate/bundle.h>
+#include <quiver/apps/support/graph_source.h>
+#include <quiver/apps/support/outcome.h>
+#include <quiver/apps/support/output.h>
+#include <quiver/core/util/error.h>
+
+namespace quiver::app {
+namespace {
+
+struct Flags {
+  BundleSettings bundle;
+  std::string output;
+  std::string truth;
+  int threads = 0;
+};
+
+void simulateBundle(const Flags& flags) {
+  checkOutputs({flags.output, flags.truth});
+  BundleCounts counts;
+  try {
+    check(flags.bundle);
+  } catch (const GraphError& error) {
+    throw UsageError(error.what());
+  }
+  try {
+    counts = writeBundle(flags.bundle, *makeRegistry({}), flags.output, flags.truth, flags.threads);
+  } catch (const FileError& error) {
+    throw OutputError(error.what());
+  }
+  std::FILE* const stream = flags.output == "-" || flags.truth == "-" ? stderr : stdout;
+  fmt::print(stream, "a {} of {} cameras, {} points and {} observations: {}\n", flags.bundle.scene, counts.cameras,
+             counts.points, counts.observations, flags.output);
+}
+
+template <typename Number>
+void addNumber(CLI::App& command, const char* name, Number& value, const char* text) {
+  command.add_option(name, value, text)->type_name("N")->capture_default_str();
+}
+
+}  // namespace
+
+void addBundleSimulation(CLI::App& simulate) {
+  CLI::App* command = simulate.add_subcommand("bundle", "Cameras see points: a bundle adjustment problem");
+  auto flags = std::make_shared<Flags>();
+  BundleSettings& bundle = flags->bundle;
+  command->add_option("-o,--output", flags->output, "Problem to write with noisy estimates (.bal or .g2o)")
+      ->required()
+      ->type_name("OUT");
+  command->add_option("--truth", flags->truth, "Write the same problem at the true cameras and points here")
+      ->type_name("FILE");
+  command->add_option("--scene", bundle.scene, "loop: a circle, looking outwards; city: round the blocks of a city")
+      ->type_name("loop|city")
+      ->check(CLI::IsMember({"loop", "city"}).description(""))
+      ->capture_default_str();
+  addNumber(*command, "--cameras", bundle.cameras, "Cameras");
+  addNumber(*command, "--points", bundle.points, "Points");
+  addNumber(*command, "--track-length", bundle.trackLength, "Observations of a point on average, at least 2");
+  addNumber(*command, "--rounds", bundle.rounds, "Times that the same way is gone");
+  addNumber(*command, "--noise", bundle.pixelNoise, "Standard deviation of a pixel");
+  addNumber(*command, "--outliers", bundle.outliers, "Share of observations that are anywhere in the image");
+  addNumber(*command, "--error-rotation", bundle.rotationError, "Deviation of the cameras' estimates in radians");
+  addNumber(*command, "--error-position", bundle.positionError, "Deviation of the cameras' estimates in metres");
+  addNumber(*command, "--error-point", bundle.pointError, "Deviation of the points' estimates in metres");
+  addNumber(*command, "--seed", bundle.seed, "Seed of everything that is random");
+  addNumber(*command, "--threads", flags->threads, "Threads at most; 0 means as many as the machine has");
+  command->footer(
+      "Examples:\n"
+      "  quiver simulate bundle -o loop.bal --truth loop_truth.bal\n"
+      "  quiver simulate bundle -o city.g2o --scene city --cameras 2000 --points 250000 --track-length 4 --outliers "
+      "0.02");
+  command->callback([flags] { simulateBundle(*flags); });
+}
+
+}  // namespace quiver::app
