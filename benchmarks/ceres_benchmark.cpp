@@ -1,11 +1,12 @@
 // Pose graphs: quiver against Ceres on the same errors, two threads, taking turns: a whole iteration of
 // Levenberg–Marquardt, and from the file to the optimum.
-//   quiver_bench_ceres [--json FILE] [--rounds N] [GRAPH.g2o...]
+//   quiver_bench_ceres [--json FILE] [--rounds N] [--any-blas] [GRAPH.g2o...]
 #include <cstdio>
 #include <limits>
 
 #include <quiver/quiver.h>
 
+#include "peers/blas.h"
 #include "peers/ceres_pose_graph.h"
 #include "peers/measure.h"
 
@@ -43,6 +44,12 @@ double ceresIteration(const std::string& file) {
 
 int main(int count, char** words) {
   const bench::Arguments arguments(count, words, {"intel", "M3500", "sphere2500", "sphere_noisy", "parking-garage"});
+  try {
+    bench::demandBlas(arguments.anyBlas);
+  } catch (const Error& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
   const auto registry = builtinRegistry();
   bench::JsonRows json;
   fmt::print("{:<15} {:>10} {:>10} {:>7} | {:>11} {:>11} {:>7} {:>14} {:>14}\n", "graph", "iter ms", "Ceres ms",

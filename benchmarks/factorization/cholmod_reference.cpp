@@ -1,7 +1,6 @@
 #include "factorization/cholmod_reference.h"
 
 #include <cholmod.h>
-#include <dlfcn.h>
 
 #include <algorithm>
 
@@ -20,7 +19,6 @@ struct CholmodReference::State {
 };
 
 CholmodReference::CholmodReference(const BlockMatrix& matrix, bool supernodal) : state_(std::make_unique<State>()) {
-  if (void* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<void (*)(int)>(symbol)(1);
   State& s = *state_;
   cholmod_start(&s.common);
   s.common.print = 0;
@@ -66,12 +64,6 @@ void CholmodReference::solve(double* x) {
   b.dtype = CHOLMOD_DOUBLE;
   cholmod_solve2(CHOLMOD_A, s.factor, &b, nullptr, &s.solution, nullptr, &s.work, &s.extra, &s.common);
   std::copy_n(static_cast<const double*>(s.solution->x), s.factor->n, x);
-}
-
-std::string blasName() {
-  if (void* symbol = dlsym(RTLD_DEFAULT, "openblas_get_config")) return reinterpret_cast<char* (*)()>(symbol)();
-  if (dlsym(RTLD_DEFAULT, "ATL_dgemm") != nullptr) return "ATLAS";
-  return "unknown";
 }
 
 }  // namespace quiver::bench

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include <quiver/solvers/block/block_matrix.h>
 
 namespace quiver::bench {
 
-/// CHOLMOD as the benchmark's opponent: a given order, supernodal or simplicial as demanded, BLAS on one thread.
+/// CHOLMOD as the benchmark's opponent: a given order, supernodal or simplicial as demanded, BLAS as the process has
+/// set it.
 class CholmodReference {
  public:
   /// `matrix` is already in elimination order.
@@ -24,8 +24,5 @@ class CholmodReference {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// The BLAS in use, as far as it tells.
-std::string blasName();
 
 }  // namespace quiver::bench

@@ -13,11 +13,12 @@
 
 namespace quiver::bench {
 
-/// What the programs take: [--json FILE | --benchmark_out=FILE] [--rounds N] [GRAPH…]; graphs default to those of
-/// QUIVER_DATA.
+/// What the programs take: [--json FILE | --benchmark_out=FILE] [--rounds N] [--any-blas] [GRAPH…]; graphs default to
+/// those of QUIVER_DATA.
 struct Arguments {
   std::string json;
   int rounds = 5;
+  bool anyBlas = false;  // also measure peers on a slow BLAS
   std::vector<std::string> graphs;
 
   Arguments(int count, char** words, const std::vector<std::string>& names) {
@@ -29,6 +30,8 @@ struct Arguments {
         json = word.substr(word.find('=') + 1);
       } else if (word == "--rounds" && i + 1 < count) {
         rounds = std::max(1, std::atoi(words[++i]));
+      } else if (word == "--any-blas") {
+        anyBlas = true;
       } else if (!word.starts_with("--")) {
         graphs.push_back(word);
       }
