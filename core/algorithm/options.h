@@ -5,7 +5,10 @@
 #include <limits>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include <quiver/core/graph/robust_kernel.h>
 
 namespace quiver {
 
@@ -29,7 +32,7 @@ enum class EliminationPolicy {
 struct Options {
   /// Trial steps at most.
   int maxIterations = 100;
-  /// "auto", "gn" or "lm".
+  /// "auto", "gn", "lm" or "dogleg".
   std::string algorithm = "auto";
   /// "auto" or a linear solver's name in the registry: "block", "dense", "eigen", "cholmod", …
   std::string linearSolver = "auto";
@@ -53,6 +56,17 @@ struct Options {
   double initialDamping = 1e-4;
   /// Called after every trial step, on the calling thread.
   std::function<void(const IterationReport&)> callback = {};
+
+  /// How robust kernels enter H.
+  RobustCorrection robustCorrection = RobustCorrection::first;
+  /// Iterative linear solvers end where the residual is this part of the right-hand side, in the norm of their
+  /// preconditioner; they may begin looser and tighten as the gradient falls.
+  double linearTolerance = 1e-8;
+  /// Iterations of an iterative linear solver at most; 0 means ten times the unknown scalars, at most 10000.
+  int maxLinearIterations = 0;
+  /// Called when a long phase of the work begins, with a few words that name it ("ordering the elimination"), on the
+  /// calling thread.
+  std::function<void(std::string_view)> phase = {};
 
   EliminationPolicy elimination = EliminationPolicy::automatic;
   /// Tags of vertex types, for EliminationPolicy::types.

@@ -43,6 +43,9 @@ void Options::validate() const {
   demand(stepTolerance >= 0.0, "stepTolerance", stepTolerance);
   demand(level >= -1, "level", level);
   demand(memoryLimit >= 0, "memoryLimit", static_cast<double>(memoryLimit));
+  demand(maxLinearIterations >= 0, "maxLinearIterations", maxLinearIterations);
+  if (!(linearTolerance > 0.0) || !(linearTolerance < 1.0))
+    throw GraphError(fmt::format("option linearTolerance is {}: it must lie between 0 and 1", linearTolerance));
   if (!(initialDamping > 0.0))
     throw GraphError(fmt::format("option initialDamping is {}: it must be positive", initialDamping));
 }

@@ -11,6 +11,13 @@ struct RobustValue {
   double second;
 };
 
+/// How a robust kernel enters the normal equations of an edge with whitened residual r and Jacobian J. Both give the
+/// exact gradient ρ' Jᵀr.
+enum class RobustCorrection {
+  first,  ///< H = ρ' JᵀJ: iteratively reweighted least squares, whose steps never overshoot a concave ρ
+  second  ///< H = ρ' JᵀJ + 2ρ'' JᵀrrᵀJ, Triggs' correction, where it is positive definite; else as `first`
+};
+
 /// A family of robust kernels: a constant, owned by the library or by a registry.
 struct RobustKernelType {
   std::string_view name;
@@ -20,6 +27,12 @@ struct RobustKernelType {
   std::string_view documentation;
   bool hasShape = false;
   double defaultShape = 0.0;
+  /// The width is in units of e, squared standard deviations, and not in standard deviations.
+  bool squaredWidth = false;
+
+  /// The width at which the kernel departs from the square where the squared error of a residual of that dimension,
+  /// χ²-distributed, stays with that probability. Throws GraphError unless 0 < probability < 1 and dimension ≥ 1.
+  double widthOf(double probability, int dimension) const;
 };
 
 /// A robust kernel of an edge: it replaces eᵀΩe by ρ(eᵀΩe) in the cost. A small value; the default is no kernel, ρ(e) =
@@ -45,23 +58,6 @@ class RobustKernel {
   const RobustKernelType* type_ = nullptr;
   double width_ = 1.0;
   double shape_ = 0.0;
-};
-
-const RobustKernelType& huberKernel();
-const RobustKernelType& cauchyKernel();
-const RobustKernelType& tukeyKernel();
-
-/// ρ = e for e ≤ δ², else 2δ√e − δ².
-struct RobustKernelHuber : RobustKernel {
-  explicit RobustKernelHuber(double width = 1.0) : RobustKernel(huberKernel(), width) {}
-};
-/// ρ = δ² ln(1 + e/δ²).
-struct RobustKernelCauchy : RobustKernel {
-  explicit RobustKernelCauchy(double width = 1.0) : RobustKernel(cauchyKernel(), width) {}
-};
-/// ρ = δ²/3 (1 − (1 − e/δ²)³) for e ≤ δ², else δ²/3.
-struct RobustKernelTukey : RobustKernel {
-  explicit RobustKernelTukey(double width = 1.0) : RobustKernel(tukeyKernel(), width) {}
 };
 
 }  // namespace quiver

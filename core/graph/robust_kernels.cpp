@@ -7,6 +7,29 @@
 namespace quiver {
 namespace {
 
+RobustValue huber(double e, double width, double) {
+  const double square = width * width;
+  if (e <= square) return {e, 1.0, 0.0};
+  const double root = std::sqrt(e);
+  const double weight = width / root;
+  return {2.0 * width * root - square, weight, -0.5 * weight / e};
+}
+
+RobustValue cauchy(double e, double width, double) {
+  const double square = width * width;
+  const double weight = 1.0 / (1.0 + e / square);
+  return {square * std::log1p(e / square), weight, -weight * weight / square};
+}
+
+RobustValue tukey(double e, double width, double) {
+  const double square = width * width;
+  if (e > square) return {square / 3.0, 0.0, 0.0};
+  const double ratio = e / square;
+  const double rest = 1.0 - ratio;
+  // δ²/3 (1 − (1 − r)³) without its cancellation.
+  return {e * (1.0 - ratio * (1.0 - ratio / 3.0)), rest * rest, -2.0 * rest / square};
+}
+
 RobustValue pseudoHuber(double e, double width, double) {
   const double square = width * width;
   const double ratio = e / square;
@@ -68,17 +91,27 @@ RobustValue arctan(double e, double width, double) {
   return {square * std::atan(ratio), weight, -2.0 * ratio * weight * weight / square};
 }
 
+constexpr RobustKernelType huberType{"Huber", huber,
+                                     "width in standard deviations: e, beyond it 2 width sqrt(e) - width^2"};
+constexpr RobustKernelType cauchyType{"Cauchy", cauchy, "width in standard deviations: width^2 ln(1 + e / width^2)"};
+constexpr RobustKernelType tukeyType{
+    "Tukey", tukey, "width in standard deviations: width^2/3 (1 - (1 - e/width^2)^3), constant beyond it"};
 constexpr RobustKernelType pseudoHuberType{"PseudoHuber", pseudoHuber,
                                            "width in standard deviations: 2 width^2 (sqrt(1 + e/width^2) - 1)"};
-constexpr RobustKernelType gemanMcClureType{"GemanMcClure", gemanMcClure,
-                                            "width in squared standard deviations, as in g2o: width e / (width + e)"};
+constexpr RobustKernelType gemanMcClureType{
+    "GemanMcClure", gemanMcClure, "width in squared standard deviations, as in g2o: width e / (width + e)",
+    false,          0.0,          true};
 constexpr RobustKernelType welschType{"Welsch", welsch, "width in standard deviations: width^2 (1 - exp(-e/width^2))"};
 constexpr RobustKernelType fairType{"Fair", fair,
                                     "width in standard deviations: 2 width^2 (sqrt(e)/width - ln(1 + sqrt(e)/width))"};
 constexpr RobustKernelType saturatedType{"Saturated", saturated, "width in standard deviations: min(e, width^2)"};
 constexpr RobustKernelType dcsType{
-    "DCS", dcs,
-    "dynamic covariance scaling, width in squared standard deviations: e, beyond it width (3e - width)/(width + e)"};
+    "DCS",
+    dcs,
+    "dynamic covariance scaling, width in squared standard deviations: e, beyond it width (3e - width)/(width + e)",
+    false,
+    0.0,
+    true};
 constexpr RobustKernelType barronType{"Barron", barron,
                                       "Barron's general kernel, width in standard deviations; shape 2 is none, 1 "
                                       "pseudo-Huber, 0 Cauchy, -2 Geman-McClure",
@@ -87,6 +120,9 @@ constexpr RobustKernelType arctanType{"Arctan", arctan, "width in standard devia
 
 }  // namespace
 
+const RobustKernelType& huberKernel() { return huberType; }
+const RobustKernelType& cauchyKernel() { return cauchyType; }
+const RobustKernelType& tukeyKernel() { return tukeyType; }
 const RobustKernelType& pseudoHuberKernel() { return pseudoHuberType; }
 const RobustKernelType& gemanMcClureKernel() { return gemanMcClureType; }
 const RobustKernelType& welschKernel() { return welschType; }

@@ -6,8 +6,11 @@ namespace quiver {
 
 class Registry;
 
-// Huber, Cauchy and Tukey stand in robust_kernel.h. Everywhere e = eᵀΩe, δ the width in standard deviations.
+// Everywhere e = eᵀΩe, δ the width in standard deviations.
 
+const RobustKernelType& huberKernel();
+const RobustKernelType& cauchyKernel();
+const RobustKernelType& tukeyKernel();
 const RobustKernelType& pseudoHuberKernel();
 const RobustKernelType& gemanMcClureKernel();
 const RobustKernelType& welschKernel();
@@ -17,6 +20,18 @@ const RobustKernelType& dcsKernel();
 const RobustKernelType& barronKernel();
 const RobustKernelType& arctanKernel();
 
+/// ρ = e for e ≤ δ², else 2δ√e − δ².
+struct RobustKernelHuber : RobustKernel {
+  explicit RobustKernelHuber(double width = 1.0) : RobustKernel(huberKernel(), width) {}
+};
+/// ρ = δ² ln(1 + e/δ²).
+struct RobustKernelCauchy : RobustKernel {
+  explicit RobustKernelCauchy(double width = 1.0) : RobustKernel(cauchyKernel(), width) {}
+};
+/// ρ = δ²/3 (1 − (1 − e/δ²)³) for e ≤ δ², else δ²/3.
+struct RobustKernelTukey : RobustKernel {
+  explicit RobustKernelTukey(double width = 1.0) : RobustKernel(tukeyKernel(), width) {}
+};
 /// ρ = 2δ² (√(1 + e/δ²) − 1).
 struct RobustKernelPseudoHuber : RobustKernel {
   explicit RobustKernelPseudoHuber(double width = 1.0) : RobustKernel(pseudoHuberKernel(), width) {}

@@ -286,7 +286,8 @@ class DynamicBatch final : public EdgeBatch {
         for (int r = 0; r < shape.rows; ++r) panel.jacobian[role][(c * shape.rows + r) * Panel::lanes] = J[role](r, c);
       }
     }
-    applyKernels(panel, kernels_, edges, shape.rows, shape.columns, withJacobians);
+    const auto correction = withJacobians ? std::optional(robustCorrection()) : std::nullopt;
+    applyKernels(panel, kernels_, edges, shape.rows, shape.columns, correction);
   }
 
   template <typename Column>
@@ -396,5 +397,4 @@ class DynamicBatch final : public EdgeBatch {
   std::vector<double> parameters_;
   std::vector<RobustKernel> kernels_;
 };
-
 }  // namespace quiver::detail

@@ -63,6 +63,10 @@ class EdgeBatch {
   /// Reads measurements, information, parameters and kernels again from the same edges, whose structure is unchanged.
   virtual void refresh(const Graph& graph, int threads) = 0;
 
+  /// How robust kernels enter `linearize` from now on; first order unless set.
+  void setRobustCorrection(RobustCorrection correction) { correction_ = correction; }
+  RobustCorrection robustCorrection() const { return correction_; }
+
  protected:
   explicit EdgeBatch(const BatchSource& source) : edges_(source.edges), slots_(source.slots), begin_(source.begin) {}
 
@@ -70,6 +74,7 @@ class EdgeBatch {
   std::vector<const Edge*> edges_;
   std::vector<std::int32_t> slots_;
   std::vector<std::int64_t> begin_;
+  RobustCorrection correction_ = RobustCorrection::first;
 };
 
 }  // namespace quiver

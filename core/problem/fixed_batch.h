@@ -96,12 +96,12 @@ class FixedBatch final : public EdgeBatch {
 
   void evaluate(const State& state, std::span<const std::int32_t> edges, const Panel& panel) const override {
     run<false>(view(state), edges.data(), static_cast<int>(edges.size()), panel);
-    applyKernels(panel, kernels_, edges, Loop::rows, {}, false);
+    applyKernels(panel, kernels_, edges, Loop::rows, {}, std::nullopt);
   }
 
   void linearize(const State& state, std::span<const std::int32_t> edges, const Panel& panel) const override {
     run<true>(view(state), edges.data(), static_cast<int>(edges.size()), panel);
-    applyKernels(panel, kernels_, edges, Loop::rows, Loop::columns, true);
+    applyKernels(panel, kernels_, edges, Loop::rows, Loop::columns, robustCorrection());
   }
 
   void refresh(const Graph& graph, int threads) override {

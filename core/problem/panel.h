@@ -16,8 +16,8 @@ struct EdgeShape {
 };
 
 /// What an edge batch writes for up to 64 edges, in memory of the caller: whitened residuals r = √ρ' U e with UᵀU = Ω,
-/// Jacobian blocks J = √ρ' U ∂e/∂δ, so that JᵀJ and Jᵀr are the edge's part of the normal equations, and per edge eᵀΩe,
-/// ρ and ρ'.
+/// Jacobian blocks J = √ρ' U ∂e/∂δ, so that JᵀJ and Jᵀr are the edge's part of the normal equations (with the
+/// second-order correction both are corrected so that they still are), and per edge eᵀΩe, ρ and ρ'.
 ///
 /// Numbers lie in lanes: edges are taken in groups of eight, and entry k of the eight edges of a group are neighbours:
 /// residual row r of edge i is residual[((i / 8) * rows + r) * 8 + i % 8]; column-major entry (r, c) of role a's block

@@ -162,6 +162,10 @@ void Problem::loadState() {
   }
 }
 
+void Problem::setRobustCorrection(RobustCorrection correction) {
+  for (const auto& batch : batches_) batch->setRobustCorrection(correction);
+}
+
 void Problem::refresh() {
   loadState();
   trial_ = state_;

@@ -82,6 +82,8 @@ class Problem {
 
   /// Reads estimates, measurements and weights from the graph again; its structure must be that of the compilation.
   void refresh();
+  /// How robust kernels enter linearisations from now on; first order unless set.
+  void setRobustCorrection(RobustCorrection correction);
   /// Writes the state's estimates of all variables to the graph.
   void store();
 

@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <quiver/core/graph/robust_kernels.h>
 #include <quiver/core/util/error.h>
 
 #include "ring_graph.h"

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <quiver/core/graph/robust_kernels.h>
 #include <quiver/core/io/g2o_reader.h>
 #include <quiver/core/io/g2o_writer.h>
 #include <quiver/core/util/error.h>

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <quiver/core/graph/robust_kernels.h>
+
 namespace quiver::test {
 namespace {
 
