@@ -8,6 +8,7 @@
 #include <quiver/solvers/backends/block_solver.h>
 #include <quiver/solvers/backends/dense_solver.h>
 #include <quiver/solvers/backends/eigen_solver.h>
+#include <quiver/solvers/backends/pcg_solver.h>
 #include <quiver/types_sba/register.h>
 #include <quiver/types_slam2d/register.h>
 #include <quiver/types_slam3d/register.h>
@@ -32,6 +33,13 @@ void registerLinearSystems(Registry& registry) {
                   makeDenseSolver);
   addLinearSolver(registry, "eigen", "Eigen's simplicial LDLT on scalars: an independent reference, one thread.",
                   makeEigenSolver);
+  registry.addLinearSystem("pcg",
+                           "Conjugate gradients with block-Jacobi preconditioning: little memory; as exact as needed.",
+                           [](const Options& options) {
+                             return std::make_unique<AutomaticSystem>([options] {
+                               return makePcgSolver({options.linearTolerance, options.maxLinearIterations, true});
+                             });
+                           });
 }
 
 void registerInitializers(Registry& registry) {

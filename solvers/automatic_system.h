@@ -25,6 +25,7 @@ class AutomaticSystem final : public LinearSystem {
   LinearOutcome solveWithLastFactor(std::span<double> delta, const StopCondition& stop) override {
     return system_->solveWithLastFactor(delta, stop);
   }
+  bool applyInverse(std::span<double> b) override { return system_->applyInverse(b); }
   std::span<const double> gradient() const override { return system_->gradient(); }
   std::span<const double> diagonal() const override { return system_->diagonal(); }
   void multiply(std::span<const double> x, std::span<double> y) const override { system_->multiply(x, y); }

@@ -115,6 +115,13 @@ LinearOutcome NormalEquations::solveWithLastFactor(std::span<double> delta, cons
   return outcomeOf(backSubstitute(delta));
 }
 
+bool NormalEquations::applyInverse(std::span<double> b) {
+  toBlocks(b, blockVector_);
+  if (!solver_->solve(blockVector_).ok()) return false;
+  toVariables(blockVector_, b);
+  return true;
+}
+
 SolverStatus NormalEquations::backSubstitute(std::span<double> delta) {
   Stopwatch watch;
   toBlocks(gradient_, blockVector_);

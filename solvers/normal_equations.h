@@ -21,6 +21,7 @@ class NormalEquations final : public LinearSystem {
   CostTotals linearize(const State& state) override;
   LinearOutcome solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) override;
   LinearOutcome solveWithLastFactor(std::span<double> delta, const StopCondition& stop) override;
+  bool applyInverse(std::span<double> b) override;
   std::span<const double> gradient() const override { return gradient_; }
   std::span<const double> diagonal() const override { return diagonal_; }
   void multiply(std::span<const double> x, std::span<double> y) const override;

@@ -12,7 +12,7 @@
 
 namespace quiver {
 
-/// What Gauss–Newton and Levenberg–Marquardt share: the state of a descent, its stopping rules, its report.
+/// What Gauss–Newton, Levenberg–Marquardt and dogleg share: the state of a descent, its stopping rules, its report.
 ///
 /// The problem's state is always the estimate kept; the best one met is restored at the end.
 class Descent {
@@ -80,5 +80,10 @@ bool gaussNewton(Descent& descent, bool careful);
 /// Damped steps (H + λ D) δ = −g, D = diag(H) kept within [1e-6, 1e32]; λ follows the ratio of actual to predicted
 /// decrease.
 void levenbergMarquardt(Descent& descent);
+
+/// Powell's dogleg: steps of at most a radius in the norm δᵀDδ, D = diag(H) kept within [1e-6, 1e32], on the path from
+/// the minimum along the scaled gradient to the full step. A smaller radius needs no new factorisation. Where H is not
+/// positive definite the full step is that of H + μD, μ as small as serves.
+void dogleg(Descent& descent);
 
 }  // namespace quiver

@@ -5,8 +5,10 @@
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 
 #include <quiver/core/algorithm/gauge.h>
+#include <quiver/core/algorithm/null_space.h>
 
 namespace quiver {
 namespace {
@@ -84,6 +86,84 @@ std::string join(const std::vector<std::string>& words) {
   return text;
 }
 
+/// The variables that null directions move, by their share vᵀDv.
+struct Movement {
+  std::vector<int> variables;
+  /// Of those of the largest dimension the one of lowest id.
+  int anchor = -1;
+};
+
+Movement movementOf(const Problem& problem, const std::vector<double>& scale, const NullSpace& space) {
+  std::vector<double> share(static_cast<std::size_t>(problem.variables()), 0.0);
+  double largest = 0.0;
+  for (int v = 0; v < problem.variables(); ++v) {
+    double& sum = share[static_cast<std::size_t>(v)];
+    for (const std::vector<double>& direction : space.directions) {
+      for (int c = 0; c < problem.dimension(v); ++c) {
+        const auto at = static_cast<std::size_t>(problem.offset(v) + c);
+        sum += scale[at] * scale[at] * direction[at] * direction[at];
+      }
+    }
+    largest = std::max(largest, sum);
+  }
+  Movement result;
+  const auto idOf = [&](int v) { return problem.vertex(problem.slotOfVariable(v)).id(); };
+  for (int v = 0; v < problem.variables(); ++v) {
+    if (share[static_cast<std::size_t>(v)] < 1e-6 * largest) continue;
+    result.variables.push_back(v);
+    const int best = result.anchor;
+    if (best < 0 || problem.dimension(v) > problem.dimension(best) ||
+        (problem.dimension(v) == problem.dimension(best) && idOf(v) < idOf(best)))
+      result.anchor = v;
+  }
+  return result;
+}
+
+/// The directions in which the null space moves one variable, in the names of its tangent.
+std::vector<std::string> directionsOf(const Problem& problem, const std::vector<double>& scale, const NullSpace& space,
+                                      int variable) {
+  const int n = problem.dimension(variable);
+  Eigen::MatrixXd moved(n, static_cast<Eigen::Index>(space.directions.size()));
+  Eigen::VectorXd scales(n);
+  for (int r = 0; r < n; ++r) {
+    const auto at = static_cast<std::size_t>(problem.offset(variable) + r);
+    scales[r] = scale[at];
+    for (int c = 0; c < moved.cols(); ++c) moved(r, c) = scales[r] * space.directions[static_cast<std::size_t>(c)][at];
+  }
+  const std::vector<std::string> names =
+      problem.vertexType(problem.slotOfVariable(variable)).tangentNames(problem.dimension(variable));
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(moved, Eigen::ComputeThinU);
+  const Eigen::Index rank = (svd.singularValues().array() > 1e-4 * svd.singularValues()[0]).count();
+  if (rank == n) return names;
+  std::vector<std::string> directions;
+  for (Eigen::Index k = 0; k < rank; ++k) {
+    const Eigen::VectorXd direction = svd.matrixU().col(k).cwiseQuotient(scales).normalized();
+    directions.push_back(describeDirection(direction, names));
+  }
+  return directions;
+}
+
+/// What the null vectors of H say, for vertex types that supply no generators and for weak spots that are no gauge;
+/// empty if there are none.
+std::string describeNullSpace(const Problem& problem, LinearSystem& system) {
+  const NullSpace space = findNullSpace(problem, system, {});
+  if (space.directions.empty()) return {};
+  const auto diagonal = system.diagonal();
+  std::vector<double> scale(diagonal.size());
+  for (std::size_t i = 0; i < scale.size(); ++i) scale[i] = std::sqrt(std::max(diagonal[i], 1e-300));
+  const Movement movement = movementOf(problem, scale, space);
+  const int slot = problem.slotOfVariable(movement.anchor);
+  const std::size_t others = movement.variables.size() - 1;
+  return fmt::format(
+      "vertex {} ({}) is not constrained in: {}{}; the system has {} null direction{}; {}; add measurements, fix it "
+      "with --fix {}, or use --algorithm lm",
+      problem.vertex(slot).id(), problem.vertexType(slot).tag(),
+      join(directionsOf(problem, scale, space, movement.anchor)),
+      others == 0 ? "" : fmt::format(", moving together with {} other vert{}", others, others == 1 ? "ex" : "ices"),
+      space.directions.size(), space.directions.size() == 1 ? "" : "s", describeEdges(problem, slot),
+      problem.vertex(slot).id());
+}
+
 }  // namespace
 
 std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const LinearOutcome& outcome) {
@@ -126,6 +206,7 @@ std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const 
         gauge.variables.size(), gauge.free, problem.vertex(slot).id(), problem.vertexType(slot).tag(),
         join(problem.vertexType(slot).tangentNames(problem.dimension(gauge.anchor))), problem.vertex(slot).id());
   }
+  if (std::string found = describeNullSpace(problem, system); !found.empty()) return found;
   if (outcome.variable < 0) return "the linear system is not positive definite";
   const int slot = problem.slotOfVariable(outcome.variable);
   const std::vector<std::string> names = problem.vertexType(slot).tangentNames(problem.dimension(outcome.variable));

@@ -62,6 +62,12 @@ class LinearSystem {
     return solve({}, delta, stop);
   }
 
+  /// Overwrites b with H'⁻¹ b by that factor; false if the system offers no such thing or has no factor.
+  virtual bool applyInverse(std::span<double> b) {
+    (void)b;
+    return false;
+  }
+
   /// g and diag(H) of the last linearisation.
   virtual std::span<const double> gradient() const = 0;
   virtual std::span<const double> diagonal() const = 0;

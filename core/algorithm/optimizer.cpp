@@ -7,6 +7,7 @@
 
 #include <quiver/core/algorithm/descent.h>
 #include <quiver/core/algorithm/gauge.h>
+#include <quiver/core/algorithm/memory_estimate.h>
 #include <quiver/core/algorithm/structure_key.h>
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/parallel.h>
@@ -14,13 +15,14 @@
 namespace quiver {
 namespace {
 
-enum class Algorithm { automatic, gaussNewton, levenbergMarquardt };
+enum class Algorithm { automatic, gaussNewton, levenbergMarquardt, dogleg };
 
 Algorithm algorithmOf(const Options& options) {
   if (options.algorithm == "auto") return Algorithm::automatic;
   if (options.algorithm == "gn") return Algorithm::gaussNewton;
   if (options.algorithm == "lm") return Algorithm::levenbergMarquardt;
-  throw GraphError(fmt::format("no algorithm '{}'; there are auto, gn and lm", options.algorithm));
+  if (options.algorithm == "dogleg") return Algorithm::dogleg;
+  throw GraphError(fmt::format("no algorithm '{}'; there are auto, gn, lm and dogleg", options.algorithm));
 }
 
 std::unique_ptr<LinearSystem> makeSystem(const Registry& registry, const Options& options) {
@@ -59,12 +61,37 @@ void settleGauge(Problem& problem, const Options& options, Algorithm algorithm, 
   if (!anchors.empty()) problem.fixVariables(anchors);
 }
 
-void reportNothing(Problem& problem, Summary& summary) {
+void announce(const Options& options, std::string_view phase) {
+  if (options.phase) options.phase(phase);
+}
+
+/// Ends before the first linearisation.
+void reportUnmoved(Problem& problem, Status status, std::string reason, Summary& summary) {
   const CostTotals totals = problem.evaluate(problem.state());
   summary.initialChi2 = summary.finalChi2 = totals.chi2;
   summary.initialCost = summary.finalCost = totals.cost;
-  summary.status = Status::nothingToOptimise;
-  summary.reason = problem.edges() == 0 ? "no edge takes part" : "every vertex that an edge touches is fixed";
+  summary.status = status;
+  summary.reason = std::move(reason);
+}
+
+std::string describeExcess(std::int64_t bytes, const Options& options) {
+  return fmt::format("the solve would take at least {} bytes beside the graph, {} are allowed", bytes,
+                     options.memoryLimit);
+}
+
+/// What is run and why. Full steps need neither a damped gauge nor the damping that keeps eliminated landmarks in
+/// place.
+Algorithm chooseAlgorithm(Algorithm asked, const GaugeReport& gauge, SolvePlan& plan) {
+  Algorithm chosen = asked;
+  plan.algorithmReason = "as asked";
+  if (asked == Algorithm::automatic) {
+    if (plan.eliminated > 0 || gauge.free > 0) chosen = Algorithm::levenbergMarquardt;
+    plan.algorithmReason = plan.eliminated > 0 ? "vertices are eliminated"
+                           : gauge.free > 0    ? "the gauge is free"
+                                               : "full steps while they lower the cost";
+  }
+  plan.algorithm = chosen == Algorithm::levenbergMarquardt ? "lm" : chosen == Algorithm::dogleg ? "dogleg" : "gn";
+  return chosen;
 }
 
 void descend(Descent& descent, Algorithm algorithm, SolvePlan& plan) {
@@ -75,6 +102,9 @@ void descend(Descent& descent, Algorithm algorithm, SolvePlan& plan) {
         break;
       case Algorithm::levenbergMarquardt:
         levenbergMarquardt(descent);
+        break;
+      case Algorithm::dogleg:
+        dogleg(descent);
         break;
       case Algorithm::automatic:
         if (!gaussNewton(descent, true)) {
@@ -97,6 +127,25 @@ struct Optimizer::Compiled {
   std::unique_ptr<LinearSystem> system;
   GaugeReport gauge;
   bool reused = false;
+
+  /// The problem and its gauge, anew unless the graph has the structure of the last call.
+  void prepare(Graph& graph, const Options& options, Algorithm algorithm, int threads) {
+    const StructureKey newKey(graph, options, threads);
+    reused = problem && newKey == key;
+    if (reused) return problem->refresh();
+    system.reset();
+    problem.reset();
+    gauge = {};
+    announce(options, "compiling the problem");
+    problem = std::make_unique<Problem>(graph, ProblemScope{options.level, options.free, threads});
+    if (problem->variables() > 0) {
+      // Eliminating makes the algorithm a damped one, which leaves the gauge free.
+      const bool eliminates =
+          algorithm == Algorithm::automatic && makeSystem(*graph.registry(), options)->eliminates(*problem, options);
+      settleGauge(*problem, options, eliminates ? Algorithm::levenbergMarquardt : algorithm, gauge);
+    }
+    key = newKey;
+  }
 };
 
 Optimizer::Optimizer(Options options) : options_(std::move(options)), compiled_(std::make_unique<Compiled>()) {}
@@ -114,39 +163,47 @@ Summary Optimizer::optimize(Graph& graph) {
   const StopCondition stop(options_.timeLimit, options_.stopToken);
   Summary summary;
   summary.threads = options_.threads > 0 ? options_.threads : hardwareThreads();
-  Compiled& now = *compiled_;
-  const StructureKey key(graph, options_, summary.threads);
-  now.reused = now.problem && key == now.key;
-  if (now.reused) {
-    now.problem->refresh();
-  } else {
-    now.system.reset();
-    now.problem.reset();
-    now.gauge = {};
-    now.problem = std::make_unique<Problem>(graph, ProblemScope{options_.level, options_.free, summary.threads});
-    if (now.problem->variables() > 0) settleGauge(*now.problem, options_, algorithm, now.gauge);
-    now.key = key;
+  if (const std::int64_t bytes = options_.memoryLimit > 0 ? estimateCompilation(graph, options_) : 0;
+      bytes > options_.memoryLimit) {
+    summary.status = Status::memoryLimit;
+    summary.reason = describeExcess(bytes, options_);
+    return summary;
   }
-  Problem& problem = *now.problem;
-  summary.gauge = now.gauge;
+  compiled_->prepare(graph, options_, algorithm, summary.threads);
+  Problem& problem = *compiled_->problem;
+  summary.gauge = compiled_->gauge;
   summary.edges = problem.edges();
   summary.isolated.assign(problem.isolated().begin(), problem.isolated().end());
   summary.variables = problem.variables();
+  problem.setRobustCorrection(options_.robustCorrection);
   summary.seconds.compile = watch.lap();
   if (problem.variables() == 0) {
-    reportNothing(problem, summary);
+    reportUnmoved(problem, Status::nothingToOptimise,
+                  problem.edges() == 0 ? "no edge takes part" : "every vertex that an edge touches is fixed", summary);
+  } else if (stop.reached()) {
+    const bool late = stop.reason() == StopCondition::Reason::timeLimit;
+    reportUnmoved(problem, late ? Status::timeLimit : Status::interrupted,
+                  late ? "the time limit is reached before the first step" : "interrupted before the first step",
+                  summary);
   } else {
-    if (!now.system) {
-      now.system = makeSystem(*graph.registry(), options_);
-      now.system->analyze(problem, options_, summary.threads);
+    if (!compiled_->system) {
+      announce(options_, "analysing the structure");
+      compiled_->system = makeSystem(*graph.registry(), options_);
+      compiled_->system->analyze(problem, options_, summary.threads);
     }
-    summary.plan = now.system->plan();
-    summary.plan.algorithm = algorithm == Algorithm::levenbergMarquardt ? "lm" : "gn";
-    summary.plan.algorithmReason =
-        algorithm == Algorithm::automatic ? "full steps while they lower the cost" : "as asked";
+    summary.plan = compiled_->system->plan();
+    if (summary.plan.exceedsMemory) {
+      reportUnmoved(problem, Status::memoryLimit,
+                    describeExcess(estimateCompilation(graph, options_) + summary.plan.bytes, options_), summary);
+      compiled_->system.reset();
+      return summary;
+    }
+    const Algorithm chosen = chooseAlgorithm(algorithm, summary.gauge, summary.plan);
     summary.seconds.analyze = watch.lap();
-    Descent descent(problem, *now.system, options_, stop, summary);
-    descend(descent, algorithm, summary.plan);
+    announce(options_, "optimising");
+    Descent descent(problem, *compiled_->system, options_, stop, summary);
+    descend(descent, chosen, summary.plan);
+    summary.plan.singular = compiled_->system->plan().singular;
     problem.store();
     summary.seconds.optimize = watch.lap();
   }
