@@ -1,6 +1,5 @@
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 
 #include <fmt/format.h>
@@ -8,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <quiver/apps/commands.h>
+#include <quiver/apps/optimize/optimize_flags.h>
 #include <quiver/apps/optimize/optimize_report.h>
 #include <quiver/apps/optimize/overrides.h>
 #include <quiver/apps/optimize/progress.h>
@@ -24,77 +24,21 @@
 namespace quiver::app {
 namespace {
 
-struct Flags {
-  GraphSource source;
-  Dialect dialect = Dialect::g2o;
-  std::string output;
-  std::string json;
-  std::string algorithm = "auto";
-  std::string solver = "auto";
-  std::string init = "auto";
-  std::string robust;
-  GaugePolicy gauge = GaugePolicy::automatic;
-  std::vector<std::int64_t> fix;
-  std::vector<std::int64_t> only;
-  std::vector<std::string> eliminate = {"auto"};
-  std::int64_t memoryLimit = 0;
-  int iterations = Options().maxIterations;
-  double timeLimit = std::numeric_limits<double>::infinity();
-  bool quiet = false;
-};
-
-void checkSolver(const std::string& name, const Registry& registry) {
-  if (registry.findLinearSystem(name)) return;
-  std::vector<std::string> names;
-  for (const auto& entry : registry.linearSystems()) names.push_back(entry.name);
-  const std::string near = nearestWord(name, names);
-  throw UsageError(fmt::format("--solver {}: no such linear solver{}; there are {}", name,
-                               near.empty() ? "" : fmt::format(", did you mean '{}'", near), fmt::join(names, ", ")));
-}
-
-/// --eliminate: "auto" or "none" alone, or tags.
-void checkEliminatedTypes(const std::vector<std::string>& words, const Registry& registry) {
-  for (const std::string& word : words) {
-    if (word == "auto" || word == "none") {
-      if (words.size() > 1) throw UsageError(fmt::format("--eliminate: '{}' stands alone", word));
-      continue;
-    }
-    if (registry.findVertexType(word)) continue;
-    std::vector<std::string> tags;
-    for (const auto& type : registry.vertexTypes()) tags.push_back(type->tag());
-    const std::string near = nearestWord(word, tags);
-    throw UsageError(fmt::format("--eliminate {}: no such vertex type{}; it is auto, none or tags of vertex types",
-                                 word, near.empty() ? "" : fmt::format(", did you mean '{}'", near)));
-  }
-}
-
-void applyElimination(const std::vector<std::string>& words, Options& options) {
-  if (words.front() == "none") {
-    options.elimination = EliminationPolicy::none;
-  } else if (words.front() != "auto") {
-    options.elimination = EliminationPolicy::types;
-    options.eliminatedTypes = words;
-  }
-}
-
 /// One run of the command.
 class Run {
  public:
-  explicit Run(const Flags& flags) : flags_(flags) {}
+  explicit Run(const OptimizeFlags& flags) : flags_(flags) {}
 
   int run() {
     checkOutputs({flags_.output, flags_.json});
     LoadedGraph loaded = loadGraph(flags_.source);
     report_.loadSeconds = loaded.seconds;
     const Registry& registry = *loaded.graph.registry();
-    checkSolver(flags_.solver, registry);
-    checkInitialGuess(flags_.init, registry);
-    checkEliminatedTypes(flags_.eliminate, registry);
-    const std::optional<RobustKernel> kernel =
-        flags_.robust.empty() ? std::nullopt : std::optional(parseRobustKernel(flags_.robust, registry));
+    settleNames(flags_, registry);
+    chooseRobustness(registry);
     for (const std::string& note : readingNotes(flags_.source, loaded.report)) say(note);
     try {
-      optimizeGraph(loaded.graph, kernel);
+      optimizeGraph(loaded.graph);
     } catch (const GraphError& error) {
       throw GraphError(fmt::format("{}: {}", displayName(flags_.source.path), error.what()));
     }
@@ -115,10 +59,28 @@ class Run {
     if (stream()) fmt::print(stream(), "{}\n", sentence);
   }
 
-  void optimizeGraph(Graph& graph, const std::optional<RobustKernel>& kernel) {
+  void chooseRobustness(const Registry& registry) {
+    robustEdges_.emplace(flags_.robustEdges, registry);
+    if (!flags_.robust.empty()) kernel_.emplace(flags_.robust, registry);
+    if (flags_.robust.empty() && flags_.robustEdges.front() != "all")
+      throw UsageError("--robust-edges says where a kernel goes: name one with --robust");
+  }
+
+  /// structure_only_N: only vertices of N tangent dimensions move.
+  void restrictDimension(Graph& graph, Options& options) const {
+    if (flags_.onlyDimension == 0) return;
+    options.free.clear();
+    graph.forEachVertex([&](Vertex& vertex) {
+      if (graph.typeOf(vertex).dimension(vertex) == flags_.onlyDimension) options.free.push_back(vertex.id());
+    });
+    if (options.free.empty())
+      throw GraphError(fmt::format("no vertex has {} dimensions, and others do not move", flags_.onlyDimension));
+  }
+
+  void optimizeGraph(Graph& graph) {
     Overrides overrides(graph);
     overrides.fix(flags_.fix);
-    if (kernel) overrides.setRobustKernel(*kernel);
+    if (kernel_) overrides.setRobustKernels(*kernel_, *robustEdges_);
     if (flags_.dialect == Dialect::logarithm) {
       Graph logarithmic = withLogarithmicEdges(graph);
       solve(logarithmic);
@@ -130,7 +92,9 @@ class Run {
   }
 
   void solve(Graph& graph) {
-    Options options = makeOptions();
+    Options options = makeOptions(flags_);
+    options.stopToken = interrupt_.token();
+    restrictDimension(graph, options);
     Progress progress(stream());
     options.callback = [&progress](const IterationReport& iteration) { progress.iteration(iteration); };
     Stopwatch watch;
@@ -150,20 +114,6 @@ class Run {
     progress.finish(report_.summary);
   }
 
-  Options makeOptions() const {
-    Options options;
-    options.maxIterations = flags_.iterations;
-    options.algorithm = flags_.algorithm;
-    options.linearSolver = flags_.solver;
-    options.gauge = flags_.gauge;
-    options.threads = flags_.source.threads;
-    options.free = flags_.only;
-    options.memoryLimit = flags_.memoryLimit;
-    applyElimination(flags_.eliminate, options);
-    options.stopToken = interrupt_.token();
-    return options;
-  }
-
   void save(const LoadedGraph& loaded) {
     Stopwatch watch;
     if (!flags_.output.empty()) saveGraph(flags_.output, loaded.graph, flags_.source.threads);
@@ -172,86 +122,20 @@ class Run {
     if (!flags_.json.empty()) saveJson(flags_.json, describeRun(report_, describeInput(flags_.source, loaded)));
   }
 
-  const Flags& flags_;
+  OptimizeFlags flags_;
   Stopwatch whole_;
   Interrupt interrupt_;
   OptimizeReport report_;
+  std::optional<RobustChoice> kernel_;
+  std::optional<EdgeChoice> robustEdges_;
 };
-
-void addSolverFlags(CLI::App& command, Flags& flags) {
-  command.add_option("--algorithm", flags.algorithm, "Gauss-Newton (gn), Levenberg-Marquardt (lm), or what fits")
-      ->type_name("auto|gn|lm")
-      ->check(CLI::IsMember({"auto", "gn", "lm"}).description(""))
-      ->capture_default_str();
-  command.add_option("--solver", flags.solver, "Linear solver: auto, block, dense, eigen, cholmod, or a plugin's")
-      ->type_name("NAME")
-      ->capture_default_str();
-  command.add_option("--iterations", flags.iterations, "Trial steps at most")
-      ->type_name("N")
-      ->check(CLI::Range(0, std::numeric_limits<int>::max()).description(""))
-      ->capture_default_str();
-  command
-      .add_option("--init", flags.init,
-                  "Initial guess: the file's estimates, a tree, odometry, chordal relaxation, or the best")
-      ->type_name("auto|file|tree|odometry|chordal")
-      ->capture_default_str();
-  command.add_option("--fix", flags.fix, "Vertices to hold fixed, beside the file's FIX lines")
-      ->type_name("ID[,ID...]")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(CLI::NonNegativeNumber.description(""));
-  command.add_option("--only", flags.only, "Vertices to move; all others are held")
-      ->type_name("ID[,ID...]")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(CLI::NonNegativeNumber.description(""));
-  command
-      .add_option("--eliminate", flags.eliminate,
-                  "Vertices to eliminate before the rest is solved for: what pays, none, or those of types")
-      ->type_name("auto|none|TAG[,TAG...]")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->default_str("auto");
-  command
-      .add_option("--memory-limit", flags.memoryLimit,
-                  "Bytes the solve may take beside the graph (suffixes kb, mb, gb); refused before allocation if it "
-                  "would take more, exit code 4")
-      ->type_name("BYTES")
-      ->transform(CLI::AsSizeValue(false).description(""))
-      ->check(CLI::PositiveNumber.description(""));
-  static const std::map<std::string, GaugePolicy> policies{
-      {"auto", GaugePolicy::automatic}, {"fix", GaugePolicy::fix}, {"free", GaugePolicy::free}};
-  command
-      .add_option("--gauge", flags.gauge,
-                  "The world's freedom to move unnoticed: hold a vertex a component, leave it free, or what the "
-                  "algorithm needs")
-      ->type_name("auto|fix|free")
-      ->transform(CLI::CheckedTransformer(policies).description(""))
-      ->default_str("auto");
-  command
-      .add_option("--robust", flags.robust,
-                  "Robust kernel of all edges, as huber:1.5; none removes those of the file (see quiver list)")
-      ->type_name("NAME[:WIDTH[:SHAPE]]");
-  command
-      .add_option("--time-limit", flags.timeLimit,
-                  "Wall-clock seconds from the start of the command; the best estimate so far is saved, exit code 5")
-      ->type_name("SECONDS")
-      ->check(CLI::NonNegativeNumber.description(""));
-}
 
 }  // namespace
 
 void addOptimizeCommand(CLI::App& parser, int& exitCode) {
   CLI::App* command = parser.add_subcommand("optimize", "Move a graph's vertices to the minimum of its cost");
-  auto flags = std::make_shared<Flags>();
-  addSourceOptions(*command, flags->source);
-  command->add_option("-o,--output", flags->output, "Write the optimised graph here (- is standard output)")
-      ->type_name("OUT");
-  addSolverFlags(*command, *flags);
-  addDialectOption(*command, flags->dialect);
-  command->add_option("--json", flags->json, "Write a report of the run here (- is standard output)")
-      ->type_name("FILE");
-  command->add_flag("--quiet", flags->quiet, "No progress and no summary; errors are told all the same");
+  auto flags = std::make_shared<OptimizeFlags>();
+  addOptimizeFlags(*command, *flags);
   command->footer(
       "Examples:\n"
       "  quiver optimize sphere.g2o -o optimised.g2o\n"

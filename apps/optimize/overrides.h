@@ -1,16 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <utility>
 #include <vector>
 
+#include <quiver/apps/optimize/robust_choice.h>
 #include <quiver/core/graph/graph.h>
 
 namespace quiver::app {
-
-/// A kernel as the command line names it: NAME[:WIDTH[:SHAPE]]. Throws UsageError, with the kernels there are.
-RobustKernel parseRobustKernel(const std::string& text, const Registry& registry);
 
 /// What a run changes in a graph beside estimates, and takes back at its end, so that flags of one run do not end up in
 /// the file it writes.
@@ -20,8 +17,8 @@ class Overrides {
 
   /// Fixes the vertices of those ids. Throws GraphError if one does not exist.
   void fix(const std::vector<std::int64_t>& ids);
-  /// Gives every edge that kernel; no kernel removes what the file says.
-  void setRobustKernel(const RobustKernel& kernel);
+  /// Gives the chosen edges the chosen kernel; no kernel removes what the file says.
+  void setRobustKernels(const RobustChoice& kernel, const EdgeChoice& edges);
   void takeBack();
 
  private:

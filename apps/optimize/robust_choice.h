@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <quiver/core/graph/graph.h>
+
+namespace quiver::app {
+
+/// A robust kernel as the command line names it: NAME[:WIDTH[:SHAPE]], where WIDTH is a number, or p and a probability
+/// from which each edge's width follows by the dimension of its error: huber:p0.95.
+class RobustChoice {
+ public:
+  /// Throws UsageError, with the kernels there are.
+  RobustChoice(const std::string& text, const Registry& registry);
+
+  /// The kernel of an edge whose error has that dimension; no kernel for "none".
+  RobustKernel kernelFor(int dimension) const;
+
+ private:
+  const RobustKernelType* type_ = nullptr;
+  double width_ = 1.0;
+  std::optional<double> probability_;
+  double shape_ = 0.0;
+};
+
+/// Edges as the command line names them: "all", "loops" (edges between two vertices of one type whose ids are not
+/// consecutive), or tags of edge types.
+class EdgeChoice {
+ public:
+  /// Throws UsageError unless `words` is one of the two words alone or tags of the registry.
+  EdgeChoice(std::vector<std::string> words, const Registry& registry);
+
+  bool contains(const Graph& graph, const Edge& edge) const;
+
+ private:
+  std::vector<std::string> words_;
+};
+
+}  // namespace quiver::app
