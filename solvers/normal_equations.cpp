@@ -89,12 +89,7 @@ void NormalEquations::analyze(const Problem& problem, const Options& options, in
 }
 
 CostTotals NormalEquations::linearize(const State& state) {
-  const CostTotals totals = assembler_.assemble(state, matrix_, gradient_, seconds_);
-  Stopwatch watch;
-  matrix_.diagonal(blockResult_);
-  toVariables(blockResult_, diagonal_);
-  seconds_.assemble += watch.lap();
-  return totals;
+  return assembler_.assemble(state, matrix_, gradient_, diagonal_, seconds_);
 }
 
 LinearOutcome NormalEquations::solve(std::span<const double> damping, std::span<double> delta,

@@ -8,16 +8,16 @@ namespace quiver::detail {
 
 /// What a batch loop reads: constants of the edges, laid out once when the problem is compiled.
 ///
-/// `constants` holds measurement, parameters and the upper triangle U (UᵀU = Ω) of every edge: in lanes, number k of
-/// edge i at
-/// ((i / 8) * size + k) * 8 + i % 8, or one edge after the other at i * size + k. `records` holds, role by role, where
+/// `constants` holds measurement, parameters and U (UᵀU = Ω) of every edge, `numbers` in all: in lanes, number k of
+/// edge i at ((i / 8) * numbers + k) * 8 + i % 8, or one edge after the other at i * numbers + k. Of U the upper
+/// triangle row by row, or the diagonal alone if it is diagonal for every edge. `records` holds, role by role, where
 /// each edge's vertex lies in a state.
 struct BatchView {
   const double* constants = nullptr;
+  int numbers = 0;
   const std::int64_t* records = nullptr;
   std::int64_t edges = 0;
   const double* state = nullptr;
-  /// U is diagonal for every edge.
   bool diagonal = false;
   const Edge* const* objects = nullptr;
 };

@@ -7,6 +7,7 @@
 
 #include <quiver/core/graph/edge.h>
 #include <quiver/core/problem/panel.h>
+#include <quiver/core/problem/product_targets.h>
 #include <quiver/core/problem/state.h>
 
 namespace quiver {
@@ -59,6 +60,15 @@ class EdgeBatch {
   virtual void evaluate(const State& state, std::span<const std::int32_t> edges, const Panel& panel) const = 0;
   /// The same and the Jacobian blocks, with residuals and blocks weighted by the robust kernels.
   virtual void linearize(const State& state, std::span<const std::int32_t> edges, const Panel& panel) const = 0;
+
+  /// Whether addProducts may be called: the type runs in lanes, its products fit the loop, and no edge has a robust
+  /// kernel. May change with refresh().
+  virtual bool addsProducts() const { return false; }
+  /// Linearises edges first … first + count − 1 and adds the products of their blocks to `targets`, which saves a
+  /// panel's way through memory. `first` is a multiple of eight, and so is `count` unless the last edge is among them.
+  /// squaredError[i] is eᵀΩe of edge first + i; it has room for whole groups of eight.
+  virtual void addProducts(const State&, int /*first*/, int /*count*/, const ProductTargets&,
+                           double* /*squaredError*/) const {}
 
   /// Reads measurements, information, parameters and kernels again from the same edges, whose structure is unchanged.
   virtual void refresh(const Graph& graph, int threads) = 0;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <quiver/core/problem/edge_batch.h>
+#include <quiver/core/problem/product_loop.h>
 #include <quiver/core/problem/scalar_loop.h>
 #include <quiver/core/problem/square_root.h>
 #include <quiver/core/util/aligned_buffer.h>
@@ -71,12 +72,11 @@ template <typename E>
 class FixedBatch final : public EdgeBatch {
   using Loop = EdgeLoop<E>;
   using Form = EdgeFormOf<E>;
+  static constexpr bool multiplies = Form::lanes && multipliesInLoop<E>();
 
  public:
   explicit FixedBatch(const BatchSource& source) : EdgeBatch(source), instructionSet_(detectInstructionSet()) {
     const std::int64_t count = size();
-    const std::int64_t padded = (count + Panel::lanes - 1) / Panel::lanes * Panel::lanes;
-    constants_ = AlignedBuffer(padded * Loop::constants);
     records_.resize(static_cast<std::size_t>(count * Loop::arity));
     for (std::int64_t i = 0; i < count; ++i) {
       const auto slots = this->slots(static_cast<int>(i));
@@ -104,21 +104,29 @@ class FixedBatch final : public EdgeBatch {
     applyKernels(panel, kernels_, edges, Loop::rows, Loop::columns, robustCorrection());
   }
 
-  void refresh(const Graph& graph, int threads) override {
-    constexpr int chunk = 256;
-    const int count = size();
-    const int chunks = (count + chunk - 1) / chunk;
-    std::vector<char> diagonal(static_cast<std::size_t>(chunks), 1);
-    std::vector<char> robust(static_cast<std::size_t>(chunks), 0);
-    parallelFor(chunks, threads, [&](std::int64_t c) {
-      const int end = std::min(count, static_cast<int>(c + 1) * chunk);
-      for (int i = static_cast<int>(c) * chunk; i < end; ++i) {
-        if (!pack(graph, i)) diagonal[static_cast<std::size_t>(c)] = 0;
-        if (edge(i).robustKernel()) robust[static_cast<std::size_t>(c)] = 1;
+  bool addsProducts() const override { return multiplies && inLanes() && kernels_.empty(); }
+
+  void addProducts(const State& state, int first, int count, const ProductTargets& targets,
+                   double* squaredError) const override {
+    if constexpr (multiplies) {
+      if (instructionSet_ == InstructionSet::avx512) {
+        productsAvx512(view(state), first, count, targets, squaredError);
+      } else {
+        productsAvx2(view(state), first, count, targets, squaredError);
       }
-    });
-    diagonal_ = std::find(diagonal.begin(), diagonal.end(), 0) == diagonal.end();
-    if (std::find(robust.begin(), robust.end(), 1) == robust.end()) {
+    }
+  }
+
+  void refresh(const Graph& graph, int threads) override {
+    const int count = size();
+    // Mostly all edges are like the first; if not, the diagonal alone does not do.
+    diagonal_ = hasDiagonal(information(0));
+    bool robust = packAll(graph, threads);
+    if (diagonal_ && std::find(mixed_.begin(), mixed_.end(), 1) != mixed_.end()) {
+      diagonal_ = false;
+      robust = packAll(graph, threads);
+    }
+    if (!robust) {
       kernels_.clear();
       return;
     }
@@ -128,11 +136,48 @@ class FixedBatch final : public EdgeBatch {
 
  private:
   BatchView view(const State& state) const {
-    return {constants_.data(), records_.data(), size(), state.data(), diagonal_, objects_.data()};
+    return {constants_.data(), numbers_, records_.data(), size(), state.data(), diagonal_, objects_.data()};
   }
 
-  /// Lays out the constants of one edge; whether its U is diagonal. The last edge also fills the lanes behind it.
-  bool pack(const Graph& graph, int i) {
+  /// Whether an upper triangle, row by row, has nothing beside its diagonal.
+  static bool hasDiagonal(std::span<const double> triangle) {
+    for (int r = 0, k = 0; r < Loop::rows; ++r) {
+      ++k;
+      for (int c = r + 1; c < Loop::rows; ++c, ++k) {
+        if (triangle[static_cast<std::size_t>(k)] != 0.0) return false;
+      }
+    }
+    return true;
+  }
+
+  std::span<const double> information(int i) const {
+    return static_cast<const E&>(edge(i)).informationStore().values();
+  }
+
+  /// Lays out the constants of all edges; mixed_ tells by chunk whether an information matrix is not diagonal. Returns
+  /// whether any edge has a robust kernel.
+  bool packAll(const Graph& graph, int threads) {
+    constexpr int chunk = 256;
+    const int count = size();
+    const auto chunks = static_cast<std::size_t>((count + chunk - 1) / chunk);
+    numbers_ = diagonal_ ? Loop::values + Loop::rows : Loop::constants;
+    const std::int64_t padded = (std::int64_t{count} + Panel::lanes - 1) / Panel::lanes * Panel::lanes;
+    if (constants_.size() != padded * numbers_) constants_ = AlignedBuffer(padded * numbers_, false);
+    mixed_.assign(chunks, 0);
+    robust_.assign(chunks, 0);
+    parallelFor(static_cast<std::int64_t>(chunks), threads, [&](std::int64_t c) {
+      const int end = std::min(count, static_cast<int>(c + 1) * chunk);
+      for (int i = static_cast<int>(c) * chunk; i < end; ++i) {
+        if (!hasDiagonal(information(i))) mixed_[static_cast<std::size_t>(c)] = 1;
+        if (edge(i).robustKernel()) robust_[static_cast<std::size_t>(c)] = 1;
+        pack(graph, i);
+      }
+    });
+    return std::find(robust_.begin(), robust_.end(), 1) != robust_.end();
+  }
+
+  /// Lays out the constants of one edge. The last edge also fills the lanes behind it.
+  void pack(const Graph& graph, int i) {
     const E& edge = static_cast<const E&>(this->edge(i));
     double numbers[Loop::constants];
     if constexpr (Packable<typename E::Measurement>) {
@@ -143,18 +188,22 @@ class FixedBatch final : public EdgeBatch {
       const std::span<const double> values = parameterValues(graph, id);
       next = std::copy(values.begin(), values.end(), next);
     }
-    const bool diagonal = squareRoot(edge.informationStore().values(), Loop::rows, next);
+    if (diagonal_) {
+      for (int r = 0, k = 0; r < Loop::rows; k += Loop::rows - r, ++r)
+        next[r] = std::sqrt(std::max(information(i)[static_cast<std::size_t>(k)], 0.0));
+    } else {
+      squareRoot(information(i), Loop::rows, next);
+    }
     if (inLanes()) {
       const int last = i + 1 == size() ? (i / Panel::lanes + 1) * Panel::lanes - 1 : i;
       for (int lane = i; lane <= last; ++lane) {
-        double* out = constants_.data() + std::int64_t{lane / Panel::lanes} * Loop::constants * Panel::lanes +
-                      lane % Panel::lanes;
-        for (int k = 0; k < Loop::constants; ++k) out[k * Panel::lanes] = numbers[k];
+        double* out =
+            constants_.data() + std::int64_t{lane / Panel::lanes} * numbers_ * Panel::lanes + lane % Panel::lanes;
+        for (int k = 0; k < numbers_; ++k) out[k * Panel::lanes] = numbers[k];
       }
     } else {
-      std::copy_n(numbers, Loop::constants, constants_.data() + std::int64_t{i} * Loop::constants);
+      std::copy_n(numbers, numbers_, constants_.data() + std::int64_t{i} * numbers_);
     }
-    return diagonal;
   }
 
   /// Without vector registers eight edges at a time cost more than one.
@@ -181,6 +230,15 @@ class FixedBatch final : public EdgeBatch {
                                                const Panel& panel) {
     laneLoop<E, Lanes<isa::Avx2>, Form::jacobians == Jacobians::analytic, withJacobians>(view, edges, count, panel);
   }
+  QUIVER_BATCH_LOOP_AVX512 static void productsAvx512(const BatchView& view, int first, int count,
+                                                      const ProductTargets& targets, double* squaredError) {
+    productLoop<E, Lanes<isa::Avx512>, Form::jacobians == Jacobians::analytic>(view, first, count, targets,
+                                                                               squaredError);
+  }
+  QUIVER_BATCH_LOOP_AVX2 static void productsAvx2(const BatchView& view, int first, int count,
+                                                  const ProductTargets& targets, double* squaredError) {
+    productLoop<E, Lanes<isa::Avx2>, Form::jacobians == Jacobians::analytic>(view, first, count, targets, squaredError);
+  }
   template <bool withJacobians>
   QUIVER_BATCH_LOOP_AVX2 static void scalarAvx2(const BatchView& view, const std::int32_t* edges, int count,
                                                 const Panel& panel) {
@@ -198,6 +256,9 @@ class FixedBatch final : public EdgeBatch {
   std::vector<const Edge*> objects_;
   std::vector<RobustKernel> kernels_;
   bool diagonal_ = false;
+  int numbers_ = 0;
+  std::vector<char> mixed_;
+  std::vector<char> robust_;
 };
 
 }  // namespace quiver::detail

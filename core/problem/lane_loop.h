@@ -35,7 +35,8 @@ struct EdgeLoop<E, std::tuple<V...>, ParameterList<P...>> {
   static constexpr int triangle = rows * (rows + 1) / 2;
   static constexpr int measurementSize = packedSize<M>();
   static constexpr int parameterSize = (0 + ... + Packing<typename P::Value>::size);
-  static constexpr int constants = measurementSize + parameterSize + triangle;
+  static constexpr int values = measurementSize + parameterSize;
+  static constexpr int constants = values + triangle;
   static constexpr int columns[] = {V::dimension...};
   static constexpr int tangent = (0 + ... + V::dimension);
   template <typename S>
@@ -159,11 +160,11 @@ struct EdgeLoop<E, std::tuple<V...>, ParameterList<P...>> {
   }
 };
 
-/// column ← U column, U upper triangular, row by row. In place: row r needs rows ≥ r only.
+/// column ← U column, U upper triangular, row by row, or its diagonal alone. In place: row r needs rows ≥ r only.
 template <int Rows, typename S, typename Column>
 inline void whiten(const S* U, bool diagonal, Column&& column) {
   if (diagonal) {
-    for (int r = 0, k = 0; r < Rows; k += Rows - r, ++r) column(r) = U[k] * column(r);
+    for (int r = 0; r < Rows; ++r) column(r) = U[r] * column(r);
     return;
   }
   for (int r = 0, k = 0; r < Rows; k += Rows - r, ++r) {
@@ -211,12 +212,18 @@ inline void laneLoop(const BatchView& view, const std::int32_t* edges, int count
     const int group = begin / L::width;
     std::int32_t ids[L::width];
     for (int i = 0; i < L::width; ++i) ids[i] = edges[begin + i < count ? begin + i : count - 1];
-    L constant[Loop::constants];
-    loadConstants<Loop::constants>(view.constants, ids, count - begin < L::width ? count - begin : L::width, constant);
+    L constant[Loop::values];
+    L U[Loop::triangle];
+    const int edgesHere = count - begin < L::width ? count - begin : L::width;
+    loadConstants<Loop::values>(view.constants, view.numbers, ids, edgesHere, constant);
+    if (view.diagonal) {
+      loadConstants<rows>(view.constants + Loop::values * L::width, view.numbers, ids, edgesHere, U);
+    } else {
+      loadConstants<Loop::triangle>(view.constants + Loop::values * L::width, view.numbers, ids, edgesHere, U);
+    }
     const auto m = Packing<typename E::Measurement>::template load<L>(constant);
     const auto p = Loop::template parameterValues<L>(constant);
     const auto x = loadEstimates<E, L>(view, ids);
-    const L* U = constant + Loop::measurementSize + Loop::parameterSize;
     const E& none = *static_cast<const E*>(view.objects[ids[0]]);
     Vector<L, rows> error;
     if constexpr (withJacobians) {

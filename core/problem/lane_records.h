@@ -131,19 +131,20 @@ QUIVER_TARGET_AVX512 inline void storeRecords(const Lanes<isa::Avx512>* in, doub
 
 #endif  // QUIVER_NATIVE_LANES
 
-/// The constants of `count` ≤ 8 edges of any numbers, as lanes; aligned runs of edges are read as they lie.
+/// The first Size of the `numbers` constants of `count` ≤ 8 edges, as lanes; aligned runs of edges are read as they
+/// lie.
 template <int Size, typename Isa>
-inline void loadConstants(const double* constants, const std::int32_t* ids, int count, Lanes<Isa>* out) {
+inline void loadConstants(const double* constants, int numbers, const std::int32_t* ids, int count, Lanes<Isa>* out) {
   const std::int64_t first = ids[0];
   bool run = first % 8 == 0;
   for (int i = 1; i < count; ++i) run = run && ids[i] == first + i;
   if (run) {
-    const double* in = constants + first * Size;
+    const double* in = constants + first * numbers;
     for (int k = 0; k < Size; ++k) loadLanes(in + k * 8, out[k]);
     return;
   }
   for (int i = 0; i < 8; ++i) {
-    const double* in = constants + std::int64_t{ids[i] / 8} * Size * 8 + ids[i] % 8;
+    const double* in = constants + std::int64_t{ids[i] / 8} * numbers * 8 + ids[i] % 8;
     for (int k = 0; k < Size; ++k) out[k].v[i] = in[k * 8];
   }
 }

@@ -79,7 +79,7 @@ inline void scalarLoop(const BatchView& view, const std::int32_t* edges, int cou
   for (int i = 0; i < count; ++i) {
     const std::int32_t id = edges[i];
     const E& edge = *static_cast<const E*>(view.objects[id]);
-    const double* constant = view.constants + std::int64_t{id} * Loop::constants;
+    const double* constant = view.constants + std::int64_t{id} * view.numbers;
     const auto m = [&] {
       if constexpr (Packable<typename E::Measurement>) {
         return Packing<typename E::Measurement>::template load<double>(constant);
@@ -89,7 +89,7 @@ inline void scalarLoop(const BatchView& view, const std::int32_t* edges, int cou
     }();
     const auto p = Loop::template parameterValues<double>(constant);
     auto x = loadScalarEstimates<E>(view, id);
-    const double* U = constant + Loop::measurementSize + Loop::parameterSize;
+    const double* U = constant + Loop::values;
     const int group = i / lanes;
     const int lane = i % lanes;
     Vector<double, rows> error;

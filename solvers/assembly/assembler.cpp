@@ -6,6 +6,7 @@
 
 #include <quiver/core/util/parallel.h>
 #include <quiver/core/util/stopwatch.h>
+#include <quiver/solvers/assembly/diagonal_gather.h>
 
 namespace quiver {
 namespace {
@@ -16,7 +17,7 @@ constexpr int panelEdges = 16;
 
 }  // namespace
 
-Assembler::Assembler(const Problem& problem, const BlockMatrix& matrix, std::vector<int> position, int threads)
+Assembler::Assembler(const Problem& problem, BlockMatrix& matrix, std::vector<int> position, int threads)
     : problem_(&problem),
       plan_(problem, matrix, position),
       position_(std::move(position)),
@@ -24,11 +25,17 @@ Assembler::Assembler(const Problem& problem, const BlockMatrix& matrix, std::vec
       set_(detectInstructionSet()),
       records_(plan_.recordNumbers() + 8, false),
       shared_(plan_.sharedNumbers() + 8, false) {
+  makeKernels();
+  totals_.resize(plan_.pieces().size());
+  placeAddresses(matrix);
+}
+
+void Assembler::makeKernels() {
   int largest = 0;
   int largestBlock = 1;
   int largestRecord = 1;
-  for (int b = 0; b < problem.batches(); ++b) {
-    const EdgeBatch& batch = problem.batch(b);
+  for (int b = 0; b < problem_->batches(); ++b) {
+    const EdgeBatch& batch = problem_->batch(b);
     BatchKernels kernels{batch.uniform(), batch.largestShape(), {}, {}};
     const std::vector<int>& columns = kernels.shape.columns;
     for (std::size_t second = 0; second < columns.size(); ++second) {
@@ -42,43 +49,50 @@ Assembler::Assembler(const Problem& problem, const BlockMatrix& matrix, std::vec
     kernels_.push_back(std::move(kernels));
     largest = std::max(largest, batch.size());
   }
-  totals_.resize(plan_.pieces().size());
   counting_.resize(static_cast<std::size_t>(largest));
   std::iota(counting_.begin(), counting_.end(), 0);
-  const std::size_t tasks = threads_ == 1 ? 1 : 4 * static_cast<std::size_t>(threads_);
-  workspaces_.resize(tasks);
+  nowhereNumbers_ = (std::max(largestBlock, largestRecord) + 7) / 8 * 8;
+  workspaces_.resize(threads_ == 1 ? 1 : 4 * static_cast<std::size_t>(threads_));
   for (Workspace& work : workspaces_) {
     for (const BatchKernels& kernels : kernels_) work.panels.emplace_back(kernels.shape);
-    work.nowhere = AlignedBuffer((std::max(largestBlock, largestRecord) + 7) / 8 * 8);
+    work.nowhere = AlignedBuffer(nowhereNumbers_);
   }
 }
 
+void Assembler::placeAddresses(BlockMatrix& matrix) {
+  nowhere_ = AlignedBuffer(nowhereNumbers_ * static_cast<std::int64_t>(plan_.pieces().size()), false);
+  addresses_.clear();
+  for (int b = 0; b < problem_->batches(); ++b) {
+    const BatchKernels& kernels = kernels_[static_cast<std::size_t>(b)];
+    const int roles = kernels.uniform ? static_cast<int>(kernels.shape.columns.size()) : 0;
+    addresses_.emplace_back(*problem_, plan_, b, roles,
+                            ProductAddresses::Memory{records_.data(), shared_.data(), matrix.values().data(),
+                                                     nowhere_.data(), nowhereNumbers_});
+  }
+  placed_ = matrix.values().data();
+}
+
 CostTotals Assembler::assemble(const State& state, BlockMatrix& matrix, std::span<double> gradient,
-                               PhaseSeconds& seconds) {
+                               std::span<double> diagonal, PhaseSeconds& seconds) {
   Stopwatch watch;
+  if (matrix.values().data() != placed_) placeAddresses(matrix);
   const auto tasks = static_cast<std::int64_t>(workspaces_.size());
   const auto count = static_cast<std::int64_t>(totals_.size());
   parallelFor(tasks, threads_, [&](std::int64_t task) {
     for (std::int64_t i = task * count / tasks; i < (task + 1) * count / tasks; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      totals_[at] = linearizePiece(state, matrix, plan_.pieces()[at], workspaces_[static_cast<std::size_t>(task)]);
+      totals_[at] = linearizePiece(state, matrix, at, workspaces_[static_cast<std::size_t>(task)]);
     }
   });
   seconds.linearize += watch.lap();
   const int variables = problem_->variables();
-  constexpr int pieceVariables = 256;
+  constexpr int pieceVariables = 512;
+  const DiagonalGather gather{*problem_, plan_, position_, records_.data(), matrix, gradient, diagonal};
   parallelFor((variables + pieceVariables - 1) / pieceVariables, threads_, [&](std::int64_t p) {
-    const int end = std::min(variables, static_cast<int>(p + 1) * pieceVariables);
-    for (int v = static_cast<int>(p) * pieceVariables; v < end; ++v) gatherVariable(v, matrix, gradient);
+    const int begin = static_cast<int>(p) * pieceVariables;
+    gather.run(begin, std::min(variables, begin + pieceVariables));
   });
-  for (const AssemblyPlan::SharedBlock& block : plan_.sharedBlocks()) {
-    double* out = matrix.values().data() + block.offset;
-    std::copy_n(shared_.data() + plan_.sharedContribution(block.begin), block.numbers, out);
-    for (std::int64_t i = block.begin + 1; i < block.end; ++i) {
-      const double* in = shared_.data() + plan_.sharedContribution(i);
-      for (int k = 0; k < block.numbers; ++k) out[k] += in[k];
-    }
-  }
+  addSharedBlocks(matrix);
   CostTotals totals;
   for (const CostTotals& piece : totals_) {
     totals.chi2 += piece.chi2;
@@ -92,12 +106,52 @@ CostTotals Assembler::assemble(const State& state, BlockMatrix& matrix, std::spa
   return totals;
 }
 
-CostTotals Assembler::linearizePiece(const State& state, BlockMatrix& matrix, const Piece& piece, Workspace& work) {
+void Assembler::addSharedBlocks(BlockMatrix& matrix) const {
+  for (const AssemblyPlan::SharedBlock& block : plan_.sharedBlocks()) {
+    double* out = matrix.values().data() + block.offset;
+    std::copy_n(shared_.data() + plan_.sharedContribution(block.begin), block.numbers, out);
+    for (std::int64_t i = block.begin + 1; i < block.end; ++i) {
+      const double* in = shared_.data() + plan_.sharedContribution(i);
+      for (int k = 0; k < block.numbers; ++k) out[k] += in[k];
+    }
+  }
+}
+
+CostTotals Assembler::linearizePiece(const State& state, BlockMatrix& matrix, std::size_t index, Workspace& work) {
+  const Piece& piece = plan_.pieces()[index];
+  std::fill(records_.data() + piece.recordBegin, records_.data() + piece.recordEnd, 0.0);
+  if (!problem_->batch(piece.batch).addsProducts() || problem_->anyHeldDirections())
+    return spreadPanels(state, matrix, piece, work);
+  double* nowhere = nowhere_.data() + static_cast<std::int64_t>(index) * nowhereNumbers_;
+  std::fill(nowhere, nowhere + nowhereNumbers_, 0.0);
+  return multiplyPiece(state, piece);
+}
+
+CostTotals Assembler::multiplyPiece(const State& state, const Piece& piece) {
+  const EdgeBatch& batch = problem_->batch(piece.batch);
+  const ProductTargets targets = addresses_[static_cast<std::size_t>(piece.batch)].targets();
+  CostTotals totals;
+  alignas(64) double squaredError[Panel::capacity];
+  for (int first = piece.begin; first < piece.end; first += Panel::capacity) {
+    const int count = std::min(Panel::capacity, piece.end - first);
+    batch.addProducts(state, first, count, targets, squaredError);
+    for (int i = 0; i < count; ++i) {
+      totals.chi2 += squaredError[i];
+      if (totals.badBatch < 0 && !std::isfinite(squaredError[i])) {
+        totals.badBatch = piece.batch;
+        totals.badEdge = first + i;
+      }
+    }
+  }
+  totals.cost = totals.chi2;
+  return totals;
+}
+
+CostTotals Assembler::spreadPanels(const State& state, BlockMatrix& matrix, const Piece& piece, Workspace& work) {
   const EdgeBatch& batch = problem_->batch(piece.batch);
   const BatchKernels& kernels = kernels_[static_cast<std::size_t>(piece.batch)];
   const Panel& panel = work.panels[static_cast<std::size_t>(piece.batch)].panel();
   const int step = kernels.uniform ? panelEdges : 1;
-  std::fill(records_.data() + piece.recordBegin, records_.data() + piece.recordEnd, 0.0);
   std::fill(work.nowhere.data(), work.nowhere.data() + work.nowhere.size(), 0.0);
   CostTotals totals;
   EdgeShape own;
@@ -189,33 +243,6 @@ void Assembler::writePairs(const Piece& piece, int first, int count, int group, 
       cross(panel.jacobian[a] + group * shape.rows * columnsA * lanes,
             panel.jacobian[b] + group * shape.rows * columnsB * lanes, shape.rows, columnsA, columnsB, flip, out);
     }
-  }
-}
-
-void Assembler::gatherVariable(int variable, BlockMatrix& matrix, std::span<double> gradient) const {
-  const int n = problem_->dimension(variable);
-  double* block = matrix.block(matrix.pattern().columnBegin(position_[static_cast<std::size_t>(variable)]));
-  double* g = gradient.data() + problem_->offset(variable);
-  constexpr int onStack = LaneProducts::squareSize(16);
-  double sum[onStack];
-  const int size = LaneProducts::squareSize(n);
-  const std::int64_t begin = plan_.gatherBegin(variable);
-  const std::int64_t end = plan_.gatherBegin(variable + 1);
-  // Larger vertices add into the first record itself, which is theirs alone.
-  double* total = size <= onStack ? sum : const_cast<double*>(records_.data()) + plan_.gathered(begin);
-  if (size <= onStack) std::copy_n(records_.data() + plan_.gathered(begin), size, total);
-  for (std::int64_t i = begin + 1; i < end; ++i) {
-    const double* record = records_.data() + plan_.gathered(i);
-    for (int k = 0; k < size; ++k) total[k] += record[k];
-  }
-  int at = 0;
-  for (int r = 0; r < n; ++r) {
-    for (int c = r; c < n; ++c, ++at) block[r * n + c] = block[c * n + r] = total[at];
-  }
-  for (int r = 0; r < n; ++r) g[r] = total[at + r];
-  const std::uint64_t held = problem_->heldDirections(variable);
-  for (int r = 0; held != 0 && r < n && r < 64; ++r) {
-    if (held >> r & 1) block[r * n + r] = 1.0;
   }
 }
 

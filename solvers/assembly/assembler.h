@@ -8,23 +8,25 @@
 #include <quiver/core/util/aligned_buffer.h>
 #include <quiver/solvers/assembly/assembly_plan.h>
 #include <quiver/solvers/assembly/lane_products.h>
+#include <quiver/solvers/assembly/product_addresses.h>
 #include <quiver/solvers/block/block_matrix.h>
 
 namespace quiver {
 
 /// Computes H = Σ JᵀJ and g = Σ Jᵀr from the panels of a problem's edge batches, in parallel and with the same bits for
 /// any number of threads: first every edge writes its records and its own blocks, then every vertex adds its records in
-/// a fixed order.
+/// a fixed order. Batches that offer it do the first in the loop that computes the Jacobian blocks.
 class Assembler {
  public:
   Assembler() = default;
   /// `position[variable]` is the block of `matrix` that belongs to the variable. The problem must outlive the
   /// assembler.
-  Assembler(const Problem& problem, const BlockMatrix& matrix, std::vector<int> position, int threads);
+  Assembler(const Problem& problem, BlockMatrix& matrix, std::vector<int> position, int threads);
 
-  /// Overwrites matrix and gradient (in the order of variables). Allocates nothing. Seconds of the two passes are added
-  /// to `linearize` and `assemble`.
-  CostTotals assemble(const State& state, BlockMatrix& matrix, std::span<double> gradient, PhaseSeconds& seconds);
+  /// Overwrites matrix, gradient and the diagonal of H (in the order of variables). Allocates nothing as long as the
+  /// matrix is the one of the construction. Seconds of the two passes are added to `linearize` and `assemble`.
+  CostTotals assemble(const State& state, BlockMatrix& matrix, std::span<double> gradient, std::span<double> diagonal,
+                      PhaseSeconds& seconds);
 
   const std::vector<int>& position() const { return position_; }
 
@@ -43,14 +45,18 @@ class Assembler {
     AlignedBuffer nowhere;
   };
 
-  CostTotals linearizePiece(const State& state, BlockMatrix& matrix, const Piece& piece, Workspace& work);
+  void makeKernels();
+  void placeAddresses(BlockMatrix& matrix);
+  CostTotals linearizePiece(const State& state, BlockMatrix& matrix, std::size_t index, Workspace& work);
+  CostTotals multiplyPiece(const State& state, const Piece& piece);
+  CostTotals spreadPanels(const State& state, BlockMatrix& matrix, const Piece& piece, Workspace& work);
   void addTotals(const Piece& piece, const Panel& panel, int first, int count, CostTotals& totals) const;
   void addRecords(const Piece& piece, int first, int count, int group, const Panel& panel, const EdgeShape& shape,
                   Workspace& work);
   void writePairs(const Piece& piece, int first, int count, int group, const Panel& panel, const EdgeShape& shape,
                   BlockMatrix& matrix, Workspace& work);
   void dropHeldColumns(const Piece& piece, int first, int count, const Panel& panel, const EdgeShape& shape) const;
-  void gatherVariable(int variable, BlockMatrix& matrix, std::span<double> gradient) const;
+  void addSharedBlocks(BlockMatrix& matrix) const;
 
   const Problem* problem_ = nullptr;
   AssemblyPlan plan_;
@@ -63,6 +69,12 @@ class Assembler {
   std::vector<std::int32_t> counting_;
   AlignedBuffer records_;
   AlignedBuffer shared_;
+  /// By batch; and the matrix they point into.
+  std::vector<ProductAddresses> addresses_;
+  const double* placed_ = nullptr;
+  /// By piece, for the product loops: see ProductAddresses.
+  AlignedBuffer nowhere_;
+  std::int64_t nowhereNumbers_ = 0;
 };
 
 }  // namespace quiver

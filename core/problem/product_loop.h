@@ -1,0 +1,140 @@
+#pragma once
+
+#include <cstdint>
+#include <tuple>
+#include <utility>
+
+#include <quiver/core/problem/lane_loop.h>
+#include <quiver/core/problem/product_targets.h>
+
+namespace quiver::detail {
+
+// Products of Jacobian blocks of eight edges, in the loop that computes the blocks. Every index is a compile-time
+// constant from the start, so the compiler sees which entries are structural zeros (below the rotation, above the
+// translation) and drops what they would be multiplied with.
+
+/// Σ over rows of column A of X times column B of Y.
+template <int A, int B, typename X, typename Y>
+inline auto columnProduct(const X& x, const Y& y) {
+  return [&]<int... R>(std::integer_sequence<int, 0, R...>) {
+    auto sum = x(0, A) * y(0, B);
+    ((sum += x(R, A) * y(R, B)), ...);
+    return sum;
+  }
+  (std::make_integer_sequence<int, X::RowsAtCompileTime>());
+}
+
+/// Whitens a block: rows of U times J.
+template <int Rows, bool diagonal, typename L, typename Block>
+inline void whitenBlock(const L* U, Block& J) {
+  for (int c = 0; c < Block::ColsAtCompileTime; ++c) whiten<Rows>(U, diagonal, J.col(c));
+}
+
+/// The upper triangle of JᵀJ, row by row, then Jᵀr, added to eight records.
+template <typename L, typename Block, typename Error>
+inline void addSquare(const Block& J, const Error& error, double* const* records) {
+  constexpr int D = Block::ColsAtCompileTime;
+  constexpr int triangle = D * (D + 1) / 2;
+  constexpr int padded = (triangle + D + 7) / 8 * 8;
+  L result[padded];
+  const auto row = [&]<int A, int... B>(std::integral_constant<int, A>, std::integer_sequence<int, B...>) {
+    constexpr int begin = A * D - A * (A - 1) / 2;
+    ((result[begin + B] = columnProduct<A, A + B>(J, J)), ...);
+    result[triangle + A] = columnProduct<A, 0>(J, error);
+  };
+  [&]<int... A>(std::integer_sequence<int, A...>) {
+    (row(std::integral_constant<int, A>(), std::make_integer_sequence<int, D - A>()), ...);
+  }
+  (std::make_integer_sequence<int, D>());
+  for (int k = triangle + D; k < padded; ++k) result[k] = L(0.0);
+  addRecords<padded>(result, records);
+}
+
+/// AᵀB column by column, transposed in the lanes that ask for it, written to eight blocks.
+template <typename L, typename First, typename Second>
+inline void writeCross(const First& a, const Second& b, const std::int64_t* flip, double* const* blocks) {
+  constexpr int Da = First::ColsAtCompileTime;
+  constexpr int Db = Second::ColsAtCompileTime;
+  L result[Da * Db];
+  [&]<int... K>(std::integer_sequence<int, K...>) { ((result[K] = columnProduct<K % Da, K / Da>(a, b)), ...); }
+  (std::make_integer_sequence<int, Da * Db>());
+  typename L::Mask flipped;
+  for (int i = 0; i < L::width; ++i) flipped.v[i] = flip[i];
+  L placed[Da * Db];
+  [&]<int... K>(std::integer_sequence<int, K...>) {
+    ((placed[K] = select(flipped, result[K % Db * Da + K / Db], result[K])), ...);
+  }
+  (std::make_integer_sequence<int, Da * Db>());
+  storeRecords<Da * Db>(placed, blocks);
+}
+
+/// Brings the lines of the next group's blocks on their way while this group is computed.
+inline void prefetchBlocks(double* const* blocks, int numbers) {
+  for (int i = 0; i < 8; ++i) {
+    for (int k = 0; k < numbers; k += 8) __builtin_prefetch(blocks[i] + k, 1);
+  }
+}
+
+/// Edges first … first + count − 1, `first` a multiple of eight: errors, blocks and their products, in registers.
+/// squaredError[i] is eᵀΩe of edge first + i, for whole groups of eight.
+template <typename E, typename L, bool analytic>
+inline void productLoop(const BatchView& view, int first, int count, const ProductTargets& targets,
+                        double* squaredError) {
+  using Loop = EdgeLoop<E>;
+  constexpr int rows = Loop::rows;
+  constexpr int values = Loop::values;
+  for (int begin = 0; begin < count; begin += L::width) {
+    const int at = first + begin;
+    std::int32_t ids[L::width];
+    for (int i = 0; i < L::width; ++i) ids[i] = at + i < view.edges ? at + i : static_cast<int>(view.edges) - 1;
+    const double* in = view.constants + std::int64_t{at} * view.numbers;
+    L constant[values];
+    for (int k = 0; k < values; ++k) loadLanes(in + k * L::width, constant[k]);
+    const auto m = Packing<typename E::Measurement>::template load<L>(constant);
+    const auto p = Loop::template parameterValues<L>(constant);
+    const auto x = loadEstimates<E, L>(view, ids);
+    const E& none = *static_cast<const E*>(view.objects[at]);
+    typename Loop::template Blocks<L> J;
+    Vector<L, rows> error;
+    if constexpr (analytic) {
+      error = Loop::template callError<L>(none, m, p, x);
+      Loop::template callJacobian<L>(none, m, p, x, J);
+    } else {
+      error = Loop::template linearizeDual<L>(none, m, p, x, J);
+    }
+    if constexpr (Loop::arity == 2) {
+      if (begin + L::width < count)
+        prefetchBlocks(targets.blocks[0] + at + L::width, Loop::columns[0] * Loop::columns[1]);
+    }
+    in += values * L::width;
+    if (view.diagonal) {
+      L U[rows];
+      for (int k = 0; k < rows; ++k) loadLanes(in + k * L::width, U[k]);
+      std::apply([&](auto&... block) { (whitenBlock<rows, true>(U, block), ...); }, J);
+      whiten<rows>(U, true, error);
+    } else {
+      L U[Loop::triangle];
+      for (int k = 0; k < Loop::triangle; ++k) loadLanes(in + k * L::width, U[k]);
+      std::apply([&](auto&... block) { (whitenBlock<rows, false>(U, block), ...); }, J);
+      whiten<rows>(U, false, error);
+    }
+    L square = error(0) * error(0);
+    for (int r = 1; r < rows; ++r) square += error(r) * error(r);
+    storeLanes(square, squaredError + begin);
+    addSquare<L>(std::get<0>(J), error, targets.records[0] + at);
+    if constexpr (Loop::arity == 2) {
+      addSquare<L>(std::get<1>(J), error, targets.records[1] + at);
+      writeCross<L>(std::get<0>(J), std::get<1>(J), targets.flipped[0] + at, targets.blocks[0] + at);
+    }
+  }
+}
+
+/// Whether products are worth a loop of their own for an edge type: one or two roles, and blocks that fit the first
+/// cache in lanes.
+template <typename E>
+constexpr bool multipliesInLoop() {
+  using Loop = EdgeLoop<E>;
+  return Loop::arity <= 2 && Loop::rows * Loop::tangent <= 96;
+}
+
+}  // namespace quiver::detail
