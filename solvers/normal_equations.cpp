@@ -4,16 +4,20 @@
 
 #include <fmt/format.h>
 
+#include <quiver/core/algorithm/memory_estimate.h>
 #include <quiver/core/algorithm/options.h>
 #include <quiver/core/util/stopwatch.h>
 #include <quiver/solvers/backends/block_solver.h>
 #include <quiver/solvers/backends/dense_solver.h>
+#include <quiver/solvers/predicted_memory.h>
 
 namespace quiver {
 namespace {
 
 /// Below this many unknown scalars a dense factorisation costs less than any bookkeeping.
 constexpr std::int64_t denseScalars = 48;
+/// What the assembly keeps for an edge: where its records and its blocks go.
+constexpr std::int64_t edgeBytes = 48;
 
 LinearOutcome::Kind kindOf(SolverStatus::Outcome outcome) {
   switch (outcome) {
@@ -52,9 +56,9 @@ void NormalEquations::chooseSolver(const BlockPattern& pattern) {
 }
 
 void NormalEquations::analyze(const Problem& problem, const Options& options, int threads) {
-  (void)options;
   problem_ = &problem;
   plan_ = {};
+  plan_.eliminationReason = "no vertices are eliminated beforehand";
   const BlockLayout layout(std::vector<int>(problem.dimensions().begin(), problem.dimensions().end()));
   const BlockPattern natural = BlockPattern::fromPairs(layout, AssemblyPlan::variablePairs(problem));
   if (choose_) {
@@ -68,6 +72,14 @@ void NormalEquations::analyze(const Problem& problem, const Options& options, in
   for (std::size_t block = 0; block < order_.size(); ++block)
     position[static_cast<std::size_t>(order_[block])] = static_cast<int>(block);
   const auto pattern = std::make_shared<const BlockPattern>(natural.permuted(order_));
+  plan_.linearSolver = solver_->name();
+  plan_.ordering = ordering.name;
+  plan_.scalars = layout.scalars();
+  plan_.bytes = predictSolverBytes(*solver_, *pattern) + 2 * matrixNumbers(*pattern) * 8 + problem.edges() * edgeBytes;
+  if (options.memoryLimit > 0 && estimateCompilation(problem.graph(), options) + plan_.bytes > options.memoryLimit) {
+    plan_.exceedsMemory = true;
+    return;
+  }
   matrix_ = BlockMatrix(pattern);
   solver_->analyze(pattern, threads);
   assembler_ = Assembler(problem, matrix_, std::move(position), threads);
@@ -79,13 +91,9 @@ void NormalEquations::analyze(const Problem& problem, const Options& options, in
   blockVector_.assign(scalars, 0.0);
   blockResult_.assign(scalars, 0.0);
   const FactorStatistics statistics = solver_->statistics();
-  plan_.linearSolver = solver_->name();
-  plan_.ordering = ordering.name;
-  plan_.scalars = layout.scalars();
   plan_.factorNonzeros = statistics.nonzeros;
   plan_.factorFlops = statistics.flops;
-  plan_.bytes = statistics.bytes;
-  plan_.eliminationReason = "no vertices are eliminated beforehand";
+  plan_.bytes = statistics.bytes + 2 * matrixNumbers(*pattern) * 8 + problem.edges() * edgeBytes;
 }
 
 CostTotals NormalEquations::linearize(const State& state) {

@@ -15,7 +15,7 @@ constexpr int parts = 8;
 /// A pivot below this share of its diagonal is rounding: the direction is left out.
 constexpr double pivotFloor = 1e-13;
 /// Copies of S for tiles that run side by side: four while S is this small, two up to the second size, else one.
-constexpr std::int64_t smallMatrix = 1 << 17;
+constexpr std::int64_t smallMatrix = 1 << 15;
 constexpr std::int64_t middleMatrix = 1 << 20;
 
 int indexOf(std::vector<int>& list, int value) {
@@ -109,7 +109,7 @@ void PointEliminator::layOut(const BlockMatrix& matrix, std::span<const int> pos
   }
   const auto size = static_cast<std::int64_t>(matrix.values().size());
   const auto count = static_cast<int>(tiles_.tiles().size());
-  const int copies = std::clamp(size <= smallMatrix ? 4 : size <= middleMatrix ? 2 : 1, 1, std::max(1, count));
+  const int copies = std::clamp(PointEliminator::copies(size), 1, std::max(1, count));
   slabs_.resize(static_cast<std::size_t>(copies));
   for (int s = 0; s < copies; ++s) {
     Slab& slab = slabs_[static_cast<std::size_t>(s)];
@@ -130,6 +130,8 @@ void PointEliminator::layOut(const BlockMatrix& matrix, std::span<const int> pos
     workspaces_.push_back(std::move(work));
   }
 }
+
+int PointEliminator::copies(std::int64_t values) { return values <= smallMatrix ? 4 : values <= middleMatrix ? 2 : 1; }
 
 void PointEliminator::factorize(std::span<const double> damping) {
   const int count = plan_->pointGroups();

@@ -49,6 +49,8 @@ class PointEliminator {
   /// s alone.
   void reducedRight(const State& state, std::span<double> right);
 
+  /// How often S is held, by the number of its values.
+  static int copies(std::int64_t values);
   std::int64_t bytes() const;
 
  private:

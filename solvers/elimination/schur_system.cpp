@@ -4,10 +4,13 @@
 
 #include <fmt/format.h>
 
+#include <quiver/core/algorithm/memory_estimate.h>
 #include <quiver/core/util/stopwatch.h>
 #include <quiver/solvers/backends/block_solver.h>
 #include <quiver/solvers/backends/dense_solver.h>
-#include <quiver/solvers/elimination/clique_pattern.h>
+#include <quiver/solvers/backends/pcg_solver.h>
+#include <quiver/solvers/block/elimination_tree.h>
+#include <quiver/solvers/predicted_memory.h>
 
 namespace quiver {
 namespace {
@@ -16,6 +19,20 @@ namespace {
 constexpr std::int64_t denseScalars = 300;
 constexpr std::int64_t mostDenseScalars = 2000;
 constexpr double denseFill = 0.4;
+/// Operations a second of a sparse factorisation, seconds of a product with S for one of its blocks and, without S, for
+/// a row of eight edges: on a 2020s x86 core. They rank alternatives.
+constexpr double factorRate = 35e9;
+constexpr double secondsPerBlock = 4e-8;
+constexpr double secondsPerRow = 2.5e-7;
+/// Products that conjugate gradients take for a step as good as an exact one.
+constexpr double expectedIterations = 150.0;
+
+/// Whether products through the edges beat those with S: where S has more blocks than there are rows of edges to
+/// linearise anew for each.
+bool prefersProducts(const BlockPattern& pattern, const EliminationPlan& plan) {
+  return static_cast<double>(pattern.entries()) * secondsPerBlock >
+         static_cast<double>(plan.rows().size()) * secondsPerRow;
+}
 
 LinearOutcome::Kind kindOf(SolverStatus::Outcome outcome) {
   switch (outcome) {
@@ -48,56 +65,108 @@ void SchurSystem::analyze(const Problem& problem, const Options& options, int th
   plan_.eliminationReason = choice.reason;
   plan_.scalars = problem.scalars();
   elimination_ = EliminationPlan(problem, choice.eliminated);
-  linearizer_ = RowLinearizer(problem, elimination_);
-  assembler_ = PointAssembler(problem, elimination_, linearizer_, threads);
-  eliminator_ = PointEliminator(problem, elimination_, linearizer_, assembler_, threads);
-  gradient_.assign(static_cast<std::size_t>(problem.scalars()), 0.0);
-  diagonal_.assign(static_cast<std::size_t>(problem.scalars()), 0.0);
-  analyzeReduced(threads);
-  plan_.bytes += elimination_.bytes() + assembler_.bytes() + eliminator_.bytes() + problem.scalars() * 16;
+  planReduced(options);
+  plan_.bytes = predictBytes();
+  if (options.memoryLimit > 0 && estimateCompilation(problem.graph(), options) + plan_.bytes > options.memoryLimit) {
+    plan_.exceedsMemory = true;
+    return;
+  }
+  layOut(threads);
 }
 
-void SchurSystem::chooseSolver(const BlockPattern& pattern) {
-  const std::int64_t scalars = pattern.layout().scalars();
-  const double full = 0.5 * pattern.blocks() * (pattern.blocks() + 1.0);
-  const double fill = static_cast<double>(pattern.entries()) / std::max(1.0, full);
-  const bool dense = scalars <= denseScalars || (fill > denseFill && scalars <= mostDenseScalars);
-  solver_ = dense ? makeDenseSolver() : makeBlockSolver();
-  plan_.linearSolverReason = fmt::format("the reduced system has {} scalars and {:.2g} % of its blocks: {}", scalars,
-                                         100.0 * fill, dense ? "dense is cheapest" : "sparse block Cholesky");
-}
-
-void SchurSystem::analyzeReduced(int threads) {
+/// Pattern, solver and order of what is left.
+void SchurSystem::planReduced(const Options& options) {
   if (elimination_.kept() == 0) {
     plan_.linearSolver = "none";
     plan_.linearSolverReason = "nothing is left after elimination";
     return;
   }
-  const BlockPattern natural =
-      cliquePattern(elimination_.keptLayout(), PointNeighbours(elimination_), directPairs(elimination_));
-  if (choose_) {
-    chooseSolver(natural);
-  } else {
-    plan_.linearSolverReason = "as asked";
+  neighbours_ = PointNeighbours(elimination_);
+  const auto direct = directPairs(elimination_);
+  BlockPattern natural = cliquePattern(elimination_.keptLayout(), neighbours_, direct);
+  plan_.linearSolverReason = "as asked";
+  if (choose_) chooseSolver(natural, options);
+  implicit_ = solver_->name() == "pcg" && prefersProducts(natural, elimination_);
+  if (implicit_) {
+    // Of S the diagonal blocks alone, for the preconditioner.
+    natural = BlockPattern::fromPairs(elimination_.keptLayout(), {});
+    conjugate_ = ConjugateReduction({options.linearTolerance, options.maxLinearIterations});
+    solver_ = makeBlockSolver();
   }
   BlockOrdering ordering = solver_->order(natural);
   order_ = std::move(ordering.order);
   position_.resize(order_.size());
   for (std::size_t block = 0; block < order_.size(); ++block)
     position_[static_cast<std::size_t>(order_[block])] = static_cast<int>(block);
-  const auto pattern = std::make_shared<const BlockPattern>(natural.permuted(order_));
-  matrix_ = BlockMatrix(pattern);
-  solver_->analyze(pattern, threads);
-  eliminator_.layOut(matrix_, position_, false);
-  const auto scalars = static_cast<std::size_t>(elimination_.keptLayout().scalars());
-  right_.assign(scalars, 0.0);
-  blockVector_.assign(scalars, 0.0);
-  const FactorStatistics statistics = solver_->statistics();
-  plan_.linearSolver = solver_->name();
+  pattern_ = std::make_shared<const BlockPattern>(natural.permuted(order_));
+  plan_.linearSolver = implicit_ ? "pcg, implicit" : solver_->name();
   plan_.ordering = ordering.name;
-  plan_.factorNonzeros = statistics.nonzeros;
-  plan_.factorFlops = statistics.flops;
-  plan_.bytes = statistics.bytes + static_cast<std::int64_t>(matrix_.values().size()) * 8;
+}
+
+/// Dense, sparse or iterative, by predicted operations.
+void SchurSystem::chooseSolver(const BlockPattern& pattern, const Options& options) {
+  const std::int64_t scalars = pattern.layout().scalars();
+  const double full = 0.5 * pattern.blocks() * (pattern.blocks() + 1.0);
+  const double fill = static_cast<double>(pattern.entries()) / std::max(1.0, full);
+  const std::string what =
+      fmt::format("the reduced system has {} scalars and {:.2g} % of its blocks", scalars, 100.0 * fill);
+  if (scalars <= denseScalars || (fill > denseFill && scalars <= mostDenseScalars)) {
+    solver_ = makeDenseSolver();
+    plan_.linearSolverReason = what + ": dense is cheapest";
+    return;
+  }
+  solver_ = makeBlockSolver();
+  const FactorSize size = predictFactor(pattern, solver_->order(pattern).order);
+  const double direct = size.flops / factorRate;
+  const double product = std::min(static_cast<double>(pattern.entries()) * secondsPerBlock,
+                                  static_cast<double>(elimination_.rows().size()) * secondsPerRow);
+  const double iterative = expectedIterations * product;
+  if (direct > iterative) {
+    solver_ = makePcgSolver({options.linearTolerance, options.maxLinearIterations, true});
+    plan_.linearSolverReason = fmt::format("{}: a factorisation would take {:.3g} operations", what, size.flops);
+  } else {
+    plan_.linearSolverReason = what + ": sparse block Cholesky";
+  }
+}
+
+std::int64_t SchurSystem::predictBytes() const {
+  std::int64_t bytes = elimination_.bytes() + 2 * elimination_.sumNumbers() * 8;
+  if (elimination_.kept() == 0) return bytes;
+  bytes += static_cast<std::int64_t>(neighbours_.kept.size()) * 2;  // places
+  if (!implicit_) {
+    std::int64_t pairs = 0;
+    for (int p = 0; p < neighbours_.points(); ++p) {
+      const auto k = static_cast<std::int64_t>(neighbours_.of(p).size());
+      pairs += k * (k + 1) / 2;
+    }
+    bytes += pairs * 5;  // the pairs, and the blocks they share
+  }
+  const std::int64_t values = matrixNumbers(*pattern_);
+  return bytes + values * 8 * PointEliminator::copies(values) + pattern_->entries() * 20 +
+         predictSolverBytes(*solver_, *pattern_);
+}
+
+void SchurSystem::layOut(int threads) {
+  linearizer_ = RowLinearizer(*problem_, elimination_);
+  assembler_ = PointAssembler(*problem_, elimination_, linearizer_, threads);
+  eliminator_ = PointEliminator(*problem_, elimination_, linearizer_, assembler_, threads);
+  gradient_.assign(static_cast<std::size_t>(problem_->scalars()), 0.0);
+  diagonal_.assign(static_cast<std::size_t>(problem_->scalars()), 0.0);
+  plan_.bytes = elimination_.bytes() + problem_->scalars() * 16;
+  if (elimination_.kept() > 0) {
+    neighbours_ = {};
+    matrix_ = BlockMatrix(pattern_);
+    solver_->analyze(pattern_, threads);
+    eliminator_.layOut(matrix_, position_, implicit_);
+    const auto scalars = static_cast<std::size_t>(elimination_.keptLayout().scalars());
+    right_.assign(scalars, 0.0);
+    blockVector_.assign(scalars, 0.0);
+    const FactorStatistics statistics = solver_->statistics();
+    plan_.factorNonzeros = statistics.nonzeros;
+    plan_.factorFlops = statistics.flops;
+    plan_.bytes += statistics.bytes + static_cast<std::int64_t>(matrix_.values().size()) * 8;
+  }
+  plan_.bytes += assembler_.bytes() + eliminator_.bytes();
 }
 
 CostTotals SchurSystem::linearize(const State& state) {
@@ -125,14 +194,16 @@ LinearOutcome SchurSystem::solve(std::span<const double> damping, std::span<doub
   Stopwatch watch;
   eliminator_.factorize(damping);
   seconds_.eliminate += watch.lap();
+  LinearOutcome outcome;
   if (elimination_.kept() > 0) {
-    const LinearOutcome outcome = solveReduced(damping, delta, stop);
-    if (!outcome.ok()) return outcome;
+    outcome = solveReduced(damping, delta, stop);
+    // The best iterate of conjugate gradients is a step to try all the same.
+    if (!outcome.ok() && outcome.kind != LinearOutcome::Kind::notConverged) return outcome;
   }
   watch.lap();
   eliminator_.substitute(*state_, delta);
   seconds_.solve += watch.lap();
-  return {};
+  return outcome;
 }
 
 LinearOutcome SchurSystem::solveReduced(std::span<const double> damping, std::span<double> delta,
@@ -143,21 +214,41 @@ LinearOutcome SchurSystem::solveReduced(std::span<const double> damping, std::sp
   SolverStatus status = solver_->factorize(matrix_, {}, stop);
   seconds_.factorize += watch.lap();
   if (!status.ok()) return outcomeOf(status);
-  const BlockLayout& kept = elimination_.keptLayout();
-  const BlockLayout& blocks = matrix_.layout();
-  for (int block = 0; block < blocks.blocks(); ++block) {
-    const double* from = right_.data() + kept.offset(order_[static_cast<std::size_t>(block)]);
-    double* to = blockVector_.data() + blocks.offset(block);
-    for (int c = 0; c < blocks.dimension(block); ++c) to[c] = -from[c];
+  LinearOutcome outcome;
+  if (implicit_) {
+    outcome = conjugate_.solve(
+        right_, [&](std::span<double> x) { return applyFactor(x); },
+        [&](std::span<const double> x, std::span<double> y) { eliminator_.multiplyReduced(*state_, damping, x, y); },
+        stop);
+  } else {
+    status = applyFactor(right_);
+    outcome = outcomeOf(status);
   }
-  status = solver_->solve(blockVector_);
-  for (int block = 0; block < blocks.blocks(); ++block) {
-    const int variable = elimination_.keptVariable(order_[static_cast<std::size_t>(block)]);
-    std::copy_n(blockVector_.data() + blocks.offset(block), blocks.dimension(block),
-                delta.data() + problem_->offset(variable));
+  for (int kept = 0; kept < elimination_.kept(); ++kept) {
+    const double* from = right_.data() + elimination_.keptLayout().offset(kept);
+    double* to = delta.data() + problem_->offset(elimination_.keptVariable(kept));
+    for (int c = 0; c < elimination_.keptLayout().dimension(kept); ++c) to[c] = -from[c];
   }
   seconds_.solve += watch.lap();
-  return outcomeOf(status);
+  return outcome;
+}
+
+/// x ← M⁻¹ x over the kept vertices, M what was factored.
+SolverStatus SchurSystem::applyFactor(std::span<double> x) {
+  const BlockLayout& kept = elimination_.keptLayout();
+  const BlockLayout& blocks = matrix_.layout();
+  const auto copy = [&](bool back) {
+    for (int block = 0; block < blocks.blocks(); ++block) {
+      double* own = x.data() + kept.offset(order_[static_cast<std::size_t>(block)]);
+      double* permuted = blockVector_.data() + blocks.offset(block);
+      const int n = blocks.dimension(block);
+      back ? std::copy_n(permuted, n, own) : std::copy_n(own, n, permuted);
+    }
+  };
+  copy(false);
+  const SolverStatus status = solver_->solve(blockVector_);
+  copy(true);
+  return status;
 }
 
 LinearOutcome SchurSystem::outcomeOf(const SolverStatus& status) const {

@@ -6,6 +6,8 @@
 
 #include <quiver/core/algorithm/linear_system.h>
 #include <quiver/solvers/backends/linear_solver.h>
+#include <quiver/solvers/elimination/clique_pattern.h>
+#include <quiver/solvers/elimination/conjugate_reduction.h>
 #include <quiver/solvers/elimination/elimination_choice.h>
 #include <quiver/solvers/elimination/point_eliminator.h>
 
@@ -13,6 +15,9 @@ namespace quiver {
 
 /// The linear system by elimination of an independent set of variables, block-diagonal in H: what is left, the Schur
 /// complement S, is solved by a linear solver, then each eliminated variable by itself.
+///
+/// Where S would be large and sparse in products it is never formed: conjugate gradients multiply with it through the
+/// edges, preconditioned with its diagonal blocks.
 ///
 /// Every pass over the edges linearises anew: `linearize` once for H's diagonal blocks and g, `solve` once for S and
 /// once to substitute back. Eliminated variables whose block is singular are left as they are in the directions
@@ -32,20 +37,27 @@ class SchurSystem final : public LinearSystem {
   void addSeconds(PhaseSeconds& seconds) override;
 
  private:
-  void analyzeReduced(int threads);
-  void chooseSolver(const BlockPattern& pattern);
+  void planReduced(const Options& options);
+  void chooseSolver(const BlockPattern& pattern, const Options& options);
+  std::int64_t predictBytes() const;
+  void layOut(int threads);
   LinearOutcome solveReduced(std::span<const double> damping, std::span<double> delta, const StopCondition& stop);
+  SolverStatus applyFactor(std::span<double> x);
   LinearOutcome outcomeOf(const SolverStatus& status) const;
   void nameSingular();
 
   const Problem* problem_ = nullptr;
   std::unique_ptr<LinearSolver> solver_;
   bool choose_ = false;
+  bool implicit_ = false;
+  ConjugateReduction conjugate_;
   std::optional<EliminationChoice> choice_;
   EliminationPlan elimination_;
   RowLinearizer linearizer_;
   PointAssembler assembler_;
   mutable PointEliminator eliminator_;
+  PointNeighbours neighbours_;
+  std::shared_ptr<const BlockPattern> pattern_;
   BlockMatrix matrix_;
   std::vector<int> order_;     // order_[block] = kept vertex
   std::vector<int> position_;  // position_[kept] = block

@@ -3,24 +3,42 @@
 /// Vectors for the rows of a record's body.
 constexpr int rowWidth(int k) { return smaller(width, recordBody(k)); }
 
-/// Entry (row, column) of a record whose sizes are constants.
-template <int K, int E>
-QUIVER_INLINE double entryOf(const double* record, int row, int column) {
-  return record[recordEntry(K, E, row, column)];
+/// Subtracts the rows of the body that count from a column of K numbers, and row K, if it is there, from *right.
+template <int Rows, int K, int vectors>
+QUIVER_INLINE void subtractColumn(const typename VectorOf<rowWidth(K)>::Type* body, double* column, double* right) {
+  constexpr int w = rowWidth(K);
+  if constexpr (vectors * w <= K) {
+#pragma GCC unroll 8
+    for (int v = 0; v < vectors; ++v) store<w>(column + v * w, load<w>(column + v * w) - body[v]);
+  } else {
+    alignas(64) double line[vectors * w];
+#pragma GCC unroll 8
+    for (int v = 0; v < vectors; ++v) store<w>(line + v * w, body[v]);
+    // Pieces that lie within what was stored at once are forwarded without waiting.
+    int r = 0;
+    if constexpr (w >= 4) {
+      for (; r + 4 <= K; r += 4) store<4>(column + r, load<4>(column + r) - load<4>(line + r));
+    }
+    for (; r + 2 <= K; r += 2) store<2>(column + r, load<2>(column + r) - load<2>(line + r));
+    if (r < K) column[r] -= line[r];
+    if (Rows > K) *right -= line[K];
+  }
 }
 
-/// Rows in the body of columns [first, first + columns) of Σ Z_row Z_columnᵀ; sum[c * stride + row].
-template <int Rows, int KR, int KC, int E, int columns>
-QUIVER_INLINE void sumBody(const double* tile, const RecordPair* pairs, std::int64_t count, int first, double* sum,
-                           int stride) {
+/// Subtracts what one pass over the pairs accumulates: columns [first, first + columns) of the rows in the body of
+/// C = Σ Z_row Z_columnᵀ, and, with the last columns, the rows of the tail, which run along the column record's body.
+template <int Rows, int KR, int KC, int E, int first, int columns, bool tails>
+QUIVER_INLINE void subtractStrip(const double* tile, const RecordPair* pairs, std::int64_t count, double* block,
+                                 double* right) {
   constexpr int w = rowWidth(KR);
   constexpr int vectors = (smaller(Rows, recordBody(KR)) + w - 1) / w;
-  typename VectorOf<w>::Type acc[columns][vectors];
-#pragma GCC unroll 9
-  for (int c = 0; c < columns; ++c) {
-#pragma GCC unroll 8
-    for (int v = 0; v < vectors; ++v) acc[c][v] = typename VectorOf<w>::Type{};
-  }
+  constexpr int wc = rowWidth(KC);
+  constexpr int across = (smaller(KC, recordBody(KC)) + wc - 1) / wc;
+  constexpr int corner = KC > recordBody(KC) ? KC - recordBody(KC) : 0;
+  constexpr int tail = tails && Rows > recordBody(KR) ? Rows - recordBody(KR) : 0;
+  typename VectorOf<w>::Type body[columns][vectors] = {};
+  typename VectorOf<wc>::Type along[tail + 1][across] = {};
+  double last[tail + 1][corner + 1] = {};
   for (std::int64_t p = 0; p < count; ++p) {
     const double* row = tile + pairs[p].row * 8;
     const double* column = tile + pairs[p].column * 8;
@@ -31,81 +49,56 @@ QUIVER_INLINE void sumBody(const double* tile, const RecordPair* pairs, std::int
       for (int v = 0; v < vectors; ++v) rows[v] = load<w>(row + m * recordBody(KR) + v * w);
 #pragma GCC unroll 9
       for (int c = 0; c < columns; ++c) {
-        const double factor = entryOf<KC, E>(column, first + c, m);
+        const double factor = column[recordEntry(KC, E, first + c, m)];
 #pragma GCC unroll 8
-        for (int v = 0; v < vectors; ++v) acc[c][v] += rows[v] * factor;
+        for (int v = 0; v < vectors; ++v) body[c][v] += rows[v] * factor;
+      }
+#pragma GCC unroll 2
+      for (int t = 0; t < tail; ++t) {
+        const double factor = row[recordEntry(KR, E, recordBody(KR) + t, m)];
+#pragma GCC unroll 8
+        for (int v = 0; v < across; ++v) along[t][v] += load<wc>(column + m * recordBody(KC) + v * wc) * factor;
+#pragma GCC unroll 2
+        for (int c = 0; c < corner; ++c) last[t][c] += column[recordEntry(KC, E, recordBody(KC) + c, m)] * factor;
       }
     }
   }
 #pragma GCC unroll 9
-  for (int c = 0; c < columns; ++c) {
-#pragma GCC unroll 8
-    for (int v = 0; v < vectors; ++v) store<w>(sum + (first + c) * stride + v * w, acc[c][v]);
+  for (int c = 0; c < columns; ++c)
+    subtractColumn<Rows, KR, vectors>(body[c], block + (first + c) * KR, right + first + c);
+  for (int t = 0; t < tail; ++t) {
+    double line[across * wc + corner + 1];
+    for (int v = 0; v < across; ++v) store<wc>(line + v * wc, along[t][v]);
+    for (int c = 0; c < corner; ++c) line[recordBody(KC) + c] = last[t][c];
+    const int row = recordBody(KR) + t;
+    for (int c = 0; c < KC; ++c) (row < KR ? block[c * KR + row] : right[c]) -= line[c];
   }
-}
-
-/// A row of the tail: one row of Σ Z_row Z_columnᵀ, accumulated over the column record's body.
-template <int KR, int KC, int E>
-QUIVER_INLINE void sumTail(const double* tile, const RecordPair* pairs, std::int64_t count, int tailRow, double* sum,
-                           int stride) {
-  constexpr int w = rowWidth(KC);
-  constexpr int vectors = (smaller(KC, recordBody(KC)) + w - 1) / w;
-  constexpr int corner = KC > recordBody(KC) ? KC - recordBody(KC) : 0;
-  typename VectorOf<w>::Type acc[vectors];
-#pragma GCC unroll 8
-  for (int v = 0; v < vectors; ++v) acc[v] = typename VectorOf<w>::Type{};
-  double last[corner + 1] = {};
-  for (std::int64_t p = 0; p < count; ++p) {
-    const double* row = tile + pairs[p].row * 8;
-    const double* column = tile + pairs[p].column * 8;
-#pragma GCC unroll 4
-    for (int m = 0; m < E; ++m) {
-      const double factor = entryOf<KR, E>(row, tailRow, m);
-#pragma GCC unroll 8
-      for (int v = 0; v < vectors; ++v) acc[v] += load<w>(column + m * recordBody(KC) + v * w) * factor;
-      for (int c = 0; c < corner; ++c) last[c] += entryOf<KC, E>(column, recordBody(KC) + c, m) * factor;
-    }
-  }
-  double across[vectors * w + corner + 1];
-  for (int v = 0; v < vectors; ++v) store<w>(across + v * w, acc[v]);
-  for (int c = 0; c < corner; ++c) across[recordBody(KC) + c] = last[c];
-  for (int c = 0; c < KC; ++c) sum[c * stride + tailRow] = across[c];
 }
 
 /// Columns are taken in strips that leave registers for the operands.
 template <int Rows, int KR, int KC, int E, int first = 0>
-QUIVER_INLINE void sumStrips(const double* tile, const RecordPair* pairs, std::int64_t count, double* sum, int stride) {
+QUIVER_INLINE void subtractStrips(const double* tile, const RecordPair* pairs, std::int64_t count, double* block,
+                                  double* right) {
   constexpr int w = rowWidth(KR);
   constexpr int vectors = (smaller(Rows, recordBody(KR)) + w - 1) / w;
   constexpr int registers = width == 8 ? 24 : 12;
   constexpr int strip = larger(1, smaller(9, registers / vectors));
   constexpr int columns = smaller(strip, KC - first);
-  sumBody<Rows, KR, KC, E, columns>(tile, pairs, count, first, sum, stride);
-  if constexpr (first + columns < KC) sumStrips<Rows, KR, KC, E, first + columns>(tile, pairs, count, sum, stride);
+  constexpr bool final = first + columns == KC;
+  subtractStrip<Rows, KR, KC, E, first, columns, final>(tile, pairs, count, block, right);
+  if constexpr (!final) subtractStrips<Rows, KR, KC, E, first + columns>(tile, pairs, count, block, right);
 }
 
 template <int KR, int KC, int E>
 void subtractPairs(const double* tile, const RecordPair* pairs, std::int64_t count, int, int, int, double* block) {
-  constexpr int stride = recordBody(KR) + recordTail(KR);
-  alignas(64) double sum[stride * KC];
-  sumStrips<KR, KR, KC, E>(tile, pairs, count, sum, stride);
-  for (int row = recordBody(KR); row < KR; ++row) sumTail<KR, KC, E>(tile, pairs, count, row, sum, stride);
-  for (int c = 0; c < KC; ++c) {
-    for (int r = 0; r < KR; ++r) block[c * KR + r] -= sum[c * stride + r];
-  }
+  double none[KC];
+  subtractStrips<KR, KR, KC, E>(tile, pairs, count, block, none);
 }
 
 template <int K, int E>
 void subtractSquares(const double* tile, const RecordPair* pairs, std::int64_t count, int, int, double* block,
                      double* right) {
-  constexpr int stride = recordBody(K) + recordTail(K);
-  alignas(64) double sum[stride * K];
-  sumStrips<K + 1, K, K, E>(tile, pairs, count, sum, stride);
-  for (int row = recordBody(K); row <= K; ++row) sumTail<K, K, E>(tile, pairs, count, row, sum, stride);
-  for (int c = 0; c < K; ++c) {
-    for (int r = 0; r < K; ++r) block[c * K + r] -= sum[c * stride + r];
-    right[c] -= sum[c * stride + K];
-  }
+  subtractStrips<K + 1, K, K, E>(tile, pairs, count, block, right);
 }
 
 // Sizes known at run time.
