@@ -5,8 +5,8 @@
 #include <quiver/core/algorithm/optimizer.h>
 #include <quiver/core/graph/graph.h>
 #include <quiver/core/graph/robust_kernels.h>
-#include <quiver/core/io/g2o_reader.h>
-#include <quiver/core/io/g2o_writer.h>
+#include <quiver/core/io/g2o/g2o_reader.h>
+#include <quiver/core/io/g2o/g2o_writer.h>
 #include <quiver/core/util/error.h>
 #include <quiver/initialization/automatic.h>
 #include <quiver/initialization/chordal.h>

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include <quiver/core/io/bal_format.h>
+#include <quiver/core/io/bal/bal_format.h>
 #include <quiver/core/io/text/number_writer.h>
 #include <quiver/core/io/files/output_file.h>
 #include <quiver/core/util/parallel.h>

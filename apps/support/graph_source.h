@@ -8,7 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <quiver/core/graph/graph.h>
-#include <quiver/core/io/g2o_reader.h>
+#include <quiver/core/io/g2o/g2o_reader.h>
 
 namespace CLI {
 class App;

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include <quiver/apps/support/outcome.h>
-#include <quiver/core/io/g2o_writer.h>
-#include <quiver/core/io/output_file.h>
+#include <quiver/core/io/g2o/g2o_writer.h>
+#include <quiver/core/io/files/output_file.h>
 
 namespace quiver::app {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include <quiver/core/io/g2o_reader.h>
-#include <quiver/core/io/g2o_writer.h>
+#include <quiver/core/io/g2o/g2o_reader.h>
+#include <quiver/core/io/g2o/g2o_writer.h>
 #include <quiver/core/util/error.h>
 #include <quiver/plugins/builtin.h>
 

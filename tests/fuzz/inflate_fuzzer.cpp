@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include <quiver/core/io/inflate.h>
+#include <quiver/core/io/files/inflate.h>
 #include <quiver/core/util/error.h>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

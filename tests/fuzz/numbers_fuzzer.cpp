@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include <quiver/core/io/text_scanner.h>
+#include <quiver/core/io/text/text_scanner.h>
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <quiver/core/algorithm/optimizer.h>
-#include <quiver/core/io/g2o_reader.h>
+#include <quiver/core/io/g2o/g2o_reader.h>
 #include <quiver/core/util/error.h>
 #include <quiver/plugins/builtin.h>
 #include <quiver/types_slam2d/edge_se2.h>

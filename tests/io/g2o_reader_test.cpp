@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
-#include <quiver/core/io/g2o_reader.h>
-#include <quiver/core/io/number_writer.h>
+#include <quiver/core/io/g2o/g2o_reader.h>
+#include <quiver/core/io/text/number_writer.h>
 #include <quiver/core/util/error.h>
 #include <tests/io/graph_types.h>
 

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include <quiver/core/graph/robust_kernels.h>
-#include <quiver/core/io/g2o_reader.h>
-#include <quiver/core/io/g2o_writer.h>
+#include <quiver/core/io/g2o/g2o_reader.h>
+#include <quiver/core/io/g2o/g2o_writer.h>
 #include <quiver/core/util/error.h>
 #include <tests/io/graph_types.h>
 #include <tests/io/temporary_folder.h>

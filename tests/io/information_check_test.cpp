@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
-#include <quiver/core/io/information_check.h>
+#include <quiver/core/io/g2o/information_check.h>
 
 namespace quiver::detail {
 namespace {

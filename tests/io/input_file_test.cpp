@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <quiver/core/io/input_file.h>
-#include <quiver/core/io/output_file.h>
+#include <quiver/core/io/files/input_file.h>
+#include <quiver/core/io/files/output_file.h>
 #include <quiver/core/util/error.h>
 #include <tests/io/temporary_folder.h>
 

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include <quiver/core/io/number_parser.h>
-#include <quiver/core/io/number_writer.h>
+#include <quiver/core/io/text/number_parser.h>
+#include <quiver/core/io/text/number_writer.h>
 
 namespace quiver {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <quiver/core/io/number_writer.h>
+#include <quiver/core/io/text/number_writer.h>
 
 namespace quiver {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <quiver/core/io/text_scanner.h>
+#include <quiver/core/io/text/text_scanner.h>
 
 namespace quiver {
 namespace {

@@ -1,8 +1,8 @@
 // Every tag of g2o's camera types in a file: read, written, read again.
 #include <gtest/gtest.h>
 
-#include <quiver/core/io/g2o_reader.h>
-#include <quiver/core/io/g2o_writer.h>
+#include <quiver/core/io/g2o/g2o_reader.h>
+#include <quiver/core/io/g2o/g2o_writer.h>
 #include <quiver/core/util/error.h>
 #include <quiver/plugins/builtin.h>
 #include <quiver/types_sba/expmap/edge_se3_project_xyz.h>

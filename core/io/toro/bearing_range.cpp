@@ -1,4 +1,4 @@
-#include <quiver/core/io/bearing_range.h>
+#include <quiver/core/io/toro/bearing_range.h>
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include <quiver/core/io/g2o_field_reader.h>
+#include <quiver/core/io/g2o/g2o_field_reader.h>
 
 #include <fmt/format.h>
 

@@ -5,8 +5,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include <quiver/core/io/g2o_lines.h>
-#include <quiver/core/io/g2o_reader.h>
+#include <quiver/core/io/g2o/g2o_lines.h>
+#include <quiver/core/io/g2o/g2o_reader.h>
 
 namespace quiver::detail {
 

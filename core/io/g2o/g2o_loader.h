@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include <quiver/core/io/g2o_field_reader.h>
-#include <quiver/core/io/g2o_lines.h>
-#include <quiver/core/io/g2o_reader.h>
-#include <quiver/core/io/information_check.h>
+#include <quiver/core/io/g2o/g2o_field_reader.h>
+#include <quiver/core/io/g2o/g2o_lines.h>
+#include <quiver/core/io/g2o/g2o_reader.h>
+#include <quiver/core/io/g2o/information_check.h>
 
 namespace quiver::detail {
 

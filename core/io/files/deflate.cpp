@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include <quiver/core/io/deflate.h>
+#include <quiver/core/io/files/deflate.h>
 #include <quiver/core/util/error.h>
 
 namespace quiver::detail {

@@ -1,4 +1,4 @@
-#include <quiver/core/io/g2o_writer.h>
+#include <quiver/core/io/g2o/g2o_writer.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include <quiver/core/io/bal_format.h>
-#include <quiver/core/io/bal_writer.h>
-#include <quiver/core/io/number_writer.h>
-#include <quiver/core/io/output_file.h>
+#include <quiver/core/io/bal/bal_format.h>
+#include <quiver/core/io/bal/bal_writer.h>
+#include <quiver/core/io/text/number_writer.h>
+#include <quiver/core/io/files/output_file.h>
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/parallel.h>
 

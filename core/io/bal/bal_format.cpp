@@ -1,11 +1,11 @@
-#include <quiver/core/io/bal_format.h>
+#include <quiver/core/io/bal/bal_format.h>
 
 #include <cstddef>
 #include <string>
 
 #include <fmt/format.h>
 
-#include <quiver/core/io/number_parser.h>
+#include <quiver/core/io/text/number_parser.h>
 #include <quiver/core/util/error.h>
 
 namespace quiver::detail {

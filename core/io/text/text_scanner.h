@@ -5,7 +5,7 @@
 #include <cstring>
 #include <string_view>
 
-#include <quiver/core/io/number_parser.h>
+#include <quiver/core/io/text/number_parser.h>
 
 namespace quiver {
 

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
 
-#include <quiver/core/io/information_check.h>
+#include <quiver/core/io/g2o/information_check.h>
 
 namespace quiver::detail {
 namespace {

@@ -9,8 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <quiver/core/io/inflate.h>
-#include <quiver/core/io/input_file.h>
+#include <quiver/core/io/files/inflate.h>
+#include <quiver/core/io/files/input_file.h>
 #include <quiver/core/util/error.h>
 
 namespace quiver {

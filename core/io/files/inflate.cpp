@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include <quiver/core/io/inflate.h>
+#include <quiver/core/io/files/inflate.h>
 #include <quiver/core/util/error.h>
 
 namespace quiver::detail {

@@ -6,8 +6,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include <quiver/core/io/source_text.h>
-#include <quiver/core/io/text_scanner.h>
+#include <quiver/core/io/text/source_text.h>
+#include <quiver/core/io/text/text_scanner.h>
 #include <quiver/core/registry/registry.h>
 
 namespace quiver::detail {

@@ -1,10 +1,10 @@
-#include <quiver/core/io/bal_reader.h>
+#include <quiver/core/io/bal/bal_reader.h>
 
 #include <algorithm>
 #include <span>
 
-#include <quiver/core/io/bal_content.h>
-#include <quiver/core/io/bal_format.h>
+#include <quiver/core/io/bal/bal_content.h>
+#include <quiver/core/io/bal/bal_format.h>
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/parallel.h>
 

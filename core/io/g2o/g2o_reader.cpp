@@ -1,9 +1,9 @@
-#include <quiver/core/io/g2o_reader.h>
+#include <quiver/core/io/g2o/g2o_reader.h>
 
-#include <quiver/core/io/bal_format.h>
-#include <quiver/core/io/bal_reader.h>
-#include <quiver/core/io/g2o_loader.h>
-#include <quiver/core/io/input_file.h>
+#include <quiver/core/io/bal/bal_format.h>
+#include <quiver/core/io/bal/bal_reader.h>
+#include <quiver/core/io/g2o/g2o_loader.h>
+#include <quiver/core/io/files/input_file.h>
 
 namespace quiver {
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <quiver/core/io/g2o_annotations.h>
+#include <quiver/core/io/g2o/g2o_annotations.h>
 
 namespace quiver::detail {
 

@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include <quiver/core/io/g2o_reader.h>
-#include <quiver/core/io/source_text.h>
+#include <quiver/core/io/g2o/g2o_reader.h>
+#include <quiver/core/io/text/source_text.h>
 
 namespace quiver::detail {
 

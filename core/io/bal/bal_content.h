@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <quiver/core/io/source_text.h>
+#include <quiver/core/io/text/source_text.h>
 
 namespace quiver::detail {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <quiver/core/io/g2o_lines.h>
+#include <quiver/core/io/g2o/g2o_lines.h>
 
 namespace quiver::detail {
 

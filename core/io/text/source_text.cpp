@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <quiver/core/io/source_text.h>
-#include <quiver/core/io/text_scanner.h>
+#include <quiver/core/io/text/source_text.h>
+#include <quiver/core/io/text/text_scanner.h>
 
 namespace quiver::detail {
 namespace {

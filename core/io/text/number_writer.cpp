@@ -1,7 +1,7 @@
 #include <array>
 #include <charconv>
 
-#include <quiver/core/io/number_writer.h>
+#include <quiver/core/io/text/number_writer.h>
 
 namespace quiver {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include <quiver/core/io/number_parser.h>
+#include <quiver/core/io/text/number_parser.h>
 #include <quiver/core/util/error.h>
 
 namespace quiver::detail {

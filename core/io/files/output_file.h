@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include <quiver/core/io/deflate.h>
+#include <quiver/core/io/files/deflate.h>
 
 namespace quiver {
 

@@ -1,4 +1,4 @@
-#include <quiver/core/io/bal_content.h>
+#include <quiver/core/io/bal/bal_content.h>
 
 #include <algorithm>
 #include <limits>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <quiver/core/io/text_scanner.h>
+#include <quiver/core/io/text/text_scanner.h>
 #include <quiver/core/util/parallel.h>
 
 namespace quiver::detail {

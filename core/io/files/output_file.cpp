@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <quiver/core/io/output_file.h>
+#include <quiver/core/io/files/output_file.h>
 #include <quiver/core/util/error.h>
 
 namespace quiver {
