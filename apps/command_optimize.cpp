@@ -33,6 +33,7 @@ class Run {
     checkOutputs({flags_.output, flags_.json});
     LoadedGraph loaded = loadGraph(flags_.source);
     report_.loadSeconds = loaded.seconds;
+    checkOutputFormat(flags_.output, loaded.graph);
     const Registry& registry = *loaded.graph.registry();
     settleNames(flags_, registry);
     chooseRobustness(registry);

@@ -41,7 +41,7 @@ void addThreadsOption(CLI::App& command, int& threads) {
 }
 
 void addSourceOptions(CLI::App& command, GraphSource& source) {
-  command.add_option("IN", source.path, "Graph to read (.g2o, .graph; .gz and .bz2 too; - is standard input)")
+  command.add_option("IN", source.path, "Graph to read (.g2o, .graph, BAL; .gz and .bz2 too; - is standard input)")
       ->required()
       ->type_name("");
   addPluginOption(command, source.plugins);

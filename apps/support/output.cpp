@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include <quiver/apps/support/outcome.h>
-#include <quiver/core/io/g2o/g2o_writer.h>
 #include <quiver/core/io/files/output_file.h>
+#include <quiver/core/io/g2o/g2o_writer.h>
 
 namespace quiver::app {
 
@@ -25,6 +25,15 @@ void checkOutputs(const std::vector<std::string>& paths) {
     } catch (const FileError& error) {
       throw OutputError(error.what());
     }
+  }
+}
+
+void checkOutputFormat(const std::string& path, const Graph& graph) {
+  if (path.empty()) return;
+  try {
+    checkFormat(path, graph);
+  } catch (const GraphError& error) {
+    throw OutputError(fmt::format("{}: {}", path, error.what()));
   }
 }
 

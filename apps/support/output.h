@@ -14,6 +14,10 @@ namespace quiver::app {
 /// or the same file. Empty paths are skipped. To be asked before long work.
 void checkOutputs(const std::vector<std::string>& paths);
 
+/// Throws OutputError if the format that the name of `path` asks for cannot hold the graph. To be asked before long
+/// work; an empty path is skipped.
+void checkOutputFormat(const std::string& path, const Graph& graph);
+
 /// Write whole files ("-" is standard output). Throw OutputError.
 void saveText(const std::string& path, std::string_view text);
 /// Indented, one key a line; numbers that are not finite become null.
