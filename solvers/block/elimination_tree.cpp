@@ -150,13 +150,25 @@ FactorSize predictFactor(const BlockPattern& pattern, std::span<const int> order
 
 FactorPattern::FactorPattern(const BlockGraph& graph, std::span<const int> order, const EliminationTree& tree)
     : columns(order.size() + 1, 0) {
-  forEachFactorBlock(graph, order, tree, [&](int, int column) { ++columns[static_cast<std::size_t>(column) + 1]; });
+  // Row by row first, then transposed: the tree is climbed once.
+  std::vector<int> columnOf;
+  columnOf.reserve(graph.neighbours.size());
+  std::vector<std::int64_t> rowEnds(order.size(), 0);
+  forEachFactorBlock(graph, order, tree, [&](int row, int column) {
+    ++columns[static_cast<std::size_t>(column) + 1];
+    columnOf.push_back(column);
+    rowEnds[static_cast<std::size_t>(row)] = static_cast<std::int64_t>(columnOf.size());
+  });
   std::partial_sum(columns.begin(), columns.end(), columns.begin());
   rows.resize(static_cast<std::size_t>(columns.back()));
   std::vector<std::int64_t> next(columns.begin(), columns.end() - 1);
-  forEachFactorBlock(graph, order, tree, [&](int row, int column) {
-    rows[static_cast<std::size_t>(next[static_cast<std::size_t>(column)]++)] = row;
-  });
+  std::int64_t entry = 0;
+  for (std::size_t row = 0; row < rowEnds.size(); ++row) {
+    for (; entry < rowEnds[row]; ++entry) {
+      std::int64_t& place = next[static_cast<std::size_t>(columnOf[static_cast<std::size_t>(entry)])];
+      rows[static_cast<std::size_t>(place++)] = static_cast<int>(row);
+    }
+  }
 }
 
 }  // namespace quiver

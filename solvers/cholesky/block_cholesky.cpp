@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 #include <quiver/core/util/parallel.h>
 #include <quiver/solvers/backends/validate.h>
@@ -27,6 +28,24 @@ void copyBlocks(const LoadEntry* entry, const LoadEntry* end, const double* sour
     for (int c = 0; c < columns; ++c, from += rows, to += stride) {
       for (int r = 0; r < rows; ++r) to[r] = from[r];
     }
+  }
+}
+
+/// Calls visit(dimension, first scalar in the factor's numbering, first scalar in the pattern's) for every block; the
+/// usual dimensions are constants of the type.
+template <typename Visit>
+void forEachBlock(const FactorPlan& plan, const Visit& visit) {
+  const auto visitAll = [&](const auto& dimensionOf) {
+    for (std::size_t i = 0; i < plan.blocks.size(); ++i)
+      visit(dimensionOf(i), plan.blockScalar[i], plan.patternScalar[i]);
+  };
+  switch (plan.uniformDimension) {
+    case 3:
+      return visitAll([](std::size_t) { return std::integral_constant<int, 3>(); });
+    case 6:
+      return visitAll([](std::size_t) { return std::integral_constant<int, 6>(); });
+    default:
+      return visitAll([&](std::size_t i) { return plan.blockScalar[i + 1] - plan.blockScalar[i]; });
   }
 }
 
@@ -58,14 +77,11 @@ SolverStatus BlockCholesky::factorize(const BlockMatrix& matrix, std::span<const
   const Input input{matrix.values().data(), damping.empty() ? nullptr : damping.data(), &stop};
   const TaskSchedule& schedule = plan_.schedule;
   std::atomic<bool> stopped{false};
-  parallelFor(static_cast<std::int64_t>(schedule.tasks.size()), schedule.threads, [&](std::int64_t t) {
-    const TaskSchedule::Task& task = schedule.tasks[t];
-    failures_[t] = {};
-    for (int node = task.begin; node < task.end && failures_[t].scalar < 0; ++node) {
-      if (stopped.load(std::memory_order_relaxed)) return;
-      if (stop.reached()) stopped = true;
-      failures_[t] = factorNode(node, input, 1);
-    }
+  std::atomic<std::int64_t> next{0};  // which worker does which task is left open; it decides about places only
+  const auto count = static_cast<std::int64_t>(schedule.tasks.size());
+  parallelFor(plan_.workers, schedule.threads, [&](std::int64_t w) {
+    double* arena = arena_.data() + w * plan_.workerArena;
+    for (std::int64_t t = next++; t < count; t = next++) failures_[t] = factorTask(t, input, arena, stopped);
   });
   if (stopped || stop.reached()) return {.outcome = SolverStatus::Outcome::interrupted};
   // The first in the factor's numbering, whichever task met it first.
@@ -76,7 +92,7 @@ SolverStatus BlockCholesky::factorize(const BlockMatrix& matrix, std::span<const
   if (first != nullptr) return statusOf(*first);
   for (const int node : schedule.top) {
     if (stop.reached()) return {.outcome = SolverStatus::Outcome::interrupted};
-    const Failure failure = factorNode(node, input, isLargeFront(plan_.nodes[node]) ? schedule.threads : 1);
+    const Failure failure = factorNode(node, input, {isLargeFront(plan_.nodes[node]) ? schedule.threads : 1, nullptr});
     if (failure.scalar >= 0) return statusOf(failure);
   }
   if (stop.reached()) return {.outcome = SolverStatus::Outcome::interrupted};
@@ -91,8 +107,20 @@ SolverStatus BlockCholesky::statusOf(const Failure& failure) const {
   return {SolverStatus::Outcome::notPositiveDefinite, plan_.blocks[column], coordinate, failure.pivot};
 }
 
-BlockCholesky::Failure BlockCholesky::factorNode(int node, const Input& input, int threads) {
-  return plan_.nodes[node].leaf ? factorLeaf(node, input) : factorFront(node, input, threads);
+BlockCholesky::Failure BlockCholesky::factorTask(std::int64_t task, const Input& input, double* arena,
+                                                 std::atomic<bool>& stopped) {
+  const auto& [begin, end, cost] = plan_.schedule.tasks[task];
+  Failure failure;
+  for (int node = begin; node < end && failure.scalar < 0; ++node) {
+    if (stopped.load(std::memory_order_relaxed)) break;
+    if (input.stop->reached()) stopped = true;
+    failure = factorNode(node, input, {1, arena});
+  }
+  return failure;
+}
+
+BlockCholesky::Failure BlockCholesky::factorNode(int node, const Input& input, const Worker& worker) {
+  return plan_.nodes[node].leaf ? factorLeaf(node, input, worker) : factorFront(node, input, worker);
 }
 
 /// Copies the blocks of H in the given columns into the node's values (stride 0: leaf blocks) and adds the damping.
@@ -121,30 +149,31 @@ void BlockCholesky::loadColumns(int node, const Input& input, int firstBlock, in
   }
 }
 
-BlockCholesky::Failure BlockCholesky::factorLeaf(int node, const Input& input) {
+BlockCholesky::Failure BlockCholesky::factorLeaf(int node, const Input& input, const Worker& worker) {
   const TreeNode& leaf = plan_.nodes[node];
   const NodeStorage& storage = plan_.storage[node];
   double* values = values_.data() + storage.values;
-  double* update = arena_.data() + storage.update;
+  double* update = updateOf(node, worker);
   std::memset(values, 0, static_cast<std::size_t>(plan_.storage[node + 1].values - storage.values) * sizeof(double));
   std::memset(update, 0, static_cast<std::size_t>(storage.updateStride * leaf.rows) * sizeof(double));
   loadColumns(node, input, leaf.firstBlock, leaf.lastBlock, 0);
   double pivot = 0.0;
-  const int failed = kernels_.leafFactor[plan_.leafDimension](plan_.leafOf(node), values, inverse_.data(), update,
-                                                              storage.updateStride, &pivot);
+  const int failed = kernels_.leafFactor[plan_.leafDimension](
+      plan_.leafOf(node), values, inverse_.data() + storage.scalar, update, storage.updateStride, &pivot);
   return failed < 0 ? Failure{} : Failure{storage.scalar + failed, pivot};
 }
 
-BlockCholesky::Failure BlockCholesky::factorFront(int node, const Input& input, int threads) {
+BlockCholesky::Failure BlockCholesky::factorFront(int node, const Input& input, const Worker& worker) {
   const TreeNode& front = plan_.nodes[node];
+  const int threads = worker.threads;
   if (threads <= 1) {
-    assemblePanel(node, input, front.firstBlock, front.lastBlock);
+    assemblePanel(node, input, worker, front.firstBlock, front.lastBlock);
   } else {
     const int blocks = front.lastBlock - front.firstBlock;
     const int parts = std::max(1, front.columns / assemblyColumns);
     parallelFor(parts, threads, [&](std::int64_t p) {
       const auto border = [&](std::int64_t part) { return front.firstBlock + static_cast<int>(part * blocks / parts); };
-      assemblePanel(node, input, border(p), border(p + 1));
+      assemblePanel(node, input, worker, border(p), border(p + 1));
     });
   }
   const NodeStorage& storage = plan_.storage[node];
@@ -156,13 +185,13 @@ BlockCholesky::Failure BlockCholesky::factorFront(int node, const Input& input, 
   const int strips = (front.rows + updateColumns - 1) / updateColumns;
   parallelFor(strips, threads, [&](std::int64_t s) {
     const int begin = static_cast<int>(s) * updateColumns;
-    formUpdate(node, begin, std::min(begin + updateColumns, front.rows));
+    formUpdate(node, worker, begin, std::min(begin + updateColumns, front.rows));
   });
   return {};
 }
 
 /// The given block columns of a front: zero, plus H, plus what the children pass up.
-void BlockCholesky::assemblePanel(int node, const Input& input, int firstBlock, int lastBlock) {
+void BlockCholesky::assemblePanel(int node, const Input& input, const Worker& worker, int firstBlock, int lastBlock) {
   const NodeStorage& storage = plan_.storage[node];
   double* panel = values_.data() + storage.values;
   const int begin = plan_.blockScalar[firstBlock] - storage.scalar;
@@ -172,23 +201,23 @@ void BlockCholesky::assemblePanel(int node, const Input& input, int firstBlock, 
   loadColumns(node, input, firstBlock, lastBlock, storage.stride);
   for (const int child : plan_.childrenOf(node)) {
     const std::span<const RowRun> runs = plan_.runsOf(child);
-    kernels_.addChild(arena_.data() + plan_.storage[child].update, plan_.storage[child].updateStride, runs.data(),
+    kernels_.addChild(updateOf(child, worker), plan_.storage[child].updateStride, runs.data(),
                       static_cast<int>(runs.size()), panel, storage.stride, 0, begin, end);
   }
 }
 
 /// Columns of the update matrix: made from the panel's rows below, then, while still near, the children's parts are
 /// added.
-void BlockCholesky::formUpdate(int node, int columnBegin, int columnEnd) {
+void BlockCholesky::formUpdate(int node, const Worker& worker, int columnBegin, int columnEnd) {
   const TreeNode& front = plan_.nodes[node];
   const NodeStorage& storage = plan_.storage[node];
   const double* below = values_.data() + storage.values + storage.paddedColumns;
-  double* update = arena_.data() + storage.update;
+  double* update = updateOf(node, worker);
   kernels_.formUpdate(update, storage.updateStride, below, storage.stride, front.columns, columnBegin, columnEnd,
                       storage.paddedRows);
   for (const int child : plan_.childrenOf(node)) {
     const std::span<const RowRun> runs = plan_.runsOf(child);
-    kernels_.addChild(arena_.data() + plan_.storage[child].update, plan_.storage[child].updateStride, runs.data(),
+    kernels_.addChild(updateOf(child, worker), plan_.storage[child].updateStride, runs.data(),
                       static_cast<int>(runs.size()), update, storage.updateStride, storage.paddedColumns,
                       storage.paddedColumns + columnBegin, storage.paddedColumns + columnEnd);
   }
@@ -203,14 +232,7 @@ SolverStatus BlockCholesky::solve(std::span<double> rightHandSides, int count) {
 
 void BlockCholesky::solveOne(double* b) {
   const TaskSchedule& schedule = plan_.schedule;
-  const auto forEachBlock = [&](const auto& visit) {
-    for (std::size_t i = 0; i < plan_.blocks.size(); ++i) {
-      const int first = plan_.blockScalar[i];
-      for (int c = 0; c < plan_.blockScalar[i + 1] - first; ++c)
-        visit(x_.data()[first + c], b[plan_.patternScalar[i] + c]);
-    }
-  };
-  forEachBlock([](double& x, double value) { x = value; });
+  loadVector(b);
   parallelFor(static_cast<std::int64_t>(schedule.tasks.size()), schedule.threads, [&](std::int64_t t) {
     for (int node = schedule.tasks[t].begin; node < schedule.tasks[t].end; ++node) forwardNode(node);
   });
@@ -219,7 +241,19 @@ void BlockCholesky::solveOne(double* b) {
   parallelFor(static_cast<std::int64_t>(schedule.tasks.size()), schedule.threads, [&](std::int64_t t) {
     for (int node = schedule.tasks[t].end - 1; node >= schedule.tasks[t].begin; --node) backwardNode(node);
   });
-  forEachBlock([](double x, double& value) { value = x; });
+  storeVector(b);
+}
+
+void BlockCholesky::loadVector(const double* b) {
+  forEachBlock(plan_, [&](const auto size, std::int64_t first, std::int64_t place) {
+    for (int c = 0; c < size; ++c) x_.data()[first + c] = b[place + c];
+  });
+}
+
+void BlockCholesky::storeVector(double* b) const {
+  forEachBlock(plan_, [&](const auto size, std::int64_t first, std::int64_t place) {
+    for (int c = 0; c < size; ++c) b[place + c] = x_.data()[first + c];
+  });
 }
 
 /// y = L⁻¹ b in the node's columns; what the rows below lose stays in the node's part of the workspace, for the parent.
@@ -228,12 +262,12 @@ void BlockCholesky::forwardNode(int node) {
   const NodeStorage& storage = plan_.storage[node];
   double* v = workspace_.data() + storage.vector;
   double* x = x_.data() + storage.scalar;
-  std::memset(v, 0, static_cast<std::size_t>(storage.paddedColumns + storage.paddedRows) * sizeof(double));
   if (front.leaf) {
-    kernels_.leafForward[plan_.leafDimension](plan_.leafOf(node), values_.data() + storage.values, inverse_.data(),
-                                              x_.data(), v);
+    kernels_.leafForward[plan_.leafDimension](plan_.leafOf(node), values_.data() + storage.values,
+                                              inverse_.data() + storage.scalar, x, v + storage.paddedRows, v);
     return;
   }
+  std::memset(v, 0, static_cast<std::size_t>(storage.paddedColumns + storage.paddedRows) * sizeof(double));
   std::copy(x, x + front.columns, v);
   for (const int child : plan_.childrenOf(node)) {
     const double* passed = workspace_.data() + plan_.storage[child].vector + plan_.storage[child].paddedColumns;
@@ -249,13 +283,20 @@ void BlockCholesky::forwardNode(int node) {
 void BlockCholesky::backwardNode(int node) {
   const TreeNode& front = plan_.nodes[node];
   const NodeStorage& storage = plan_.storage[node];
-  if (front.leaf) {
-    kernels_.leafBackward[plan_.leafDimension](plan_.leafOf(node), values_.data() + storage.values, inverse_.data(),
-                                               x_.data());
-    return;
-  }
   double* v = workspace_.data() + storage.vector;
   double* x = x_.data() + storage.scalar;
+  if (front.leaf) {
+    const int b = plan_.leafDimension;
+    double* subtree = v + storage.paddedRows;
+    double* outside = subtree + front.columns / b * leafStride(b);
+    for (const ScalarSpan& span : plan_.spansOf(node)) {
+      for (int i = 0; i < span.length; i += b, outside += leafStride(b))
+        std::copy_n(x_.data() + span.begin + i, b, outside);
+    }
+    kernels_.leafBackward[b](plan_.leafOf(node), values_.data() + storage.values, inverse_.data() + storage.scalar, x,
+                             subtree);
+    return;
+  }
   std::copy(x, x + front.columns, v);
   double* below = v + storage.paddedColumns;
   for (const ScalarSpan& span : plan_.spansOf(node)) {

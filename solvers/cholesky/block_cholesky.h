@@ -43,15 +43,28 @@ class BlockCholesky final : public LinearSolver {
     double pivot = 0.0;
   };
 
-  Failure factorNode(int node, const Input& input, int threads);
-  Failure factorLeaf(int node, const Input& input);
-  Failure factorFront(int node, const Input& input, int threads);
+  /// Who works on a node: threads to divide it among, and where update matrices that only its task needs are.
+  struct Worker {
+    int threads;
+    double* arena;
+  };
+
+  Failure factorTask(std::int64_t task, const Input& input, double* arena, std::atomic<bool>& stopped);
+  Failure factorNode(int node, const Input& input, const Worker& worker);
+  Failure factorLeaf(int node, const Input& input, const Worker& worker);
+  Failure factorFront(int node, const Input& input, const Worker& worker);
+  double* updateOf(int node, const Worker& worker) {
+    return (plan_.storage[node].sharedUpdate ? arena_.data() : worker.arena) + plan_.storage[node].update;
+  }
   void loadColumns(int node, const Input& input, int firstBlock, int lastBlock, std::int64_t stride);
-  void assemblePanel(int node, const Input& input, int firstBlock, int lastBlock);
-  void formUpdate(int node, int columnBegin, int columnEnd);
+  void assemblePanel(int node, const Input& input, const Worker& worker, int firstBlock, int lastBlock);
+  void formUpdate(int node, const Worker& worker, int columnBegin, int columnEnd);
   SolverStatus statusOf(const Failure& failure) const;
 
   void solveOne(double* b);
+  /// Copies between a vector in the pattern's order and x_.
+  void loadVector(const double* b);
+  void storeVector(double* b) const;
   void forwardNode(int node);
   void backwardNode(int node);
 

@@ -35,13 +35,15 @@ struct NodeStorage {
   int paddedRows = 0;
   std::int64_t values = 0;
   std::int64_t stride = 0;  // of a front's panel
-  std::int64_t update = 0;  // of its update matrix, in the arena
+  std::int64_t update = 0;  // of its update matrix, in the arena or (below a task's root) in the worker's part of it
   std::int64_t updateStride = 0;
   std::int64_t vector = 0;  // of its part of the substitution, in the workspace
   std::int64_t children = 0;
   std::int64_t runs = 0;
   std::int64_t spans = 0;
   std::int64_t leafColumns = 0;
+  int outside = 0;            // block rows below a leaf subtree
+  bool sharedUpdate = false;  // a task's root, or a node above the tasks
 };
 
 /// Everything about the factorisation of one pattern that does not depend on numbers: computed once, then only read.
@@ -74,13 +76,17 @@ class FactorPlan {
 
   std::vector<int> children;      // node indices, ascending
   std::vector<RowRun> runs;       // of each node's rows in its parent's storage
-  std::vector<ScalarSpan> spans;  // of each front's rows
+  std::vector<ScalarSpan> spans;  // of each node's rows
   std::vector<LeafColumn> leafColumns;
   std::vector<std::int32_t> leafRows;
   std::vector<std::int32_t> leafPositions;
   std::vector<std::int32_t> leafDestinations;
 
   std::int64_t valueCount = 0;
+  /// The arena begins with a part for each of `workers` threads; what lives longer follows, and when the tasks are done
+  /// the nodes above them use it all.
+  int workers = 0;
+  std::int64_t workerArena = 0;
   std::int64_t arenaCount = 0;
   std::int64_t workspaceCount = 0;
   /// Bytes of all lists.
@@ -96,8 +102,12 @@ class FactorPlan {
     return {spans.data() + storage[node].spans, spans.data() + storage[node + 1].spans};
   }
   LeafView leafOf(int node) const {
-    return {leafColumns.data() + storage[node].leafColumns, nodes[node].lastBlock - nodes[node].firstBlock,
-            leafRows.data(), leafPositions.data(), leafDestinations.data()};
+    return {leafColumns.data() + storage[node].leafColumns,
+            nodes[node].lastBlock - nodes[node].firstBlock,
+            storage[node].outside,
+            leafRows.data(),
+            leafPositions.data(),
+            leafDestinations.data()};
   }
 };
 

@@ -91,12 +91,12 @@ void FactorPlanBuilder::layOutNodes() {
     storage.spans = static_cast<std::int64_t>(plan_.spans.size());
     storage.leafColumns = static_cast<std::int64_t>(plan_.leafColumns.size());
     plan_.workspaceCount += storage.paddedColumns + storage.paddedRows;
+    addSpans(k);
     if (node.leaf) {
       layOutLeaf(k, storage);
     } else {
       storage.stride = oddStride(storage.paddedColumns + storage.paddedRows);
       plan_.valueCount += narrow(storage.stride * node.columns);
-      addSpans(k);
     }
     if (node.parent >= 0) addRuns(k);
   }
@@ -166,11 +166,9 @@ void FactorPlanBuilder::addSpans(int node) {
 void FactorPlanBuilder::layOutLeaf(int node, NodeStorage& storage) {
   const TreeNode& leaf = plan_.nodes[node];
   plan_.leafDimension = dimension(tree_->order[leaf.firstBlock]);
-  int position = 0;
-  for (const int row : rowsBelow(node)) {
-    scratch_[row] = position;  // of a block row in the update matrix
-    position += dimension(row);
-  }
+  for (const int row : rowsBelow(node)) scratch_[row] = storage.outside++;  // of the block rows outside
+  const int blocks = leaf.lastBlock - leaf.firstBlock + storage.outside;
+  plan_.workspaceCount += ceil8(blocks * leafStride(plan_.leafDimension));
   std::int32_t offset = 0;
   for (int column = leaf.firstBlock; column < leaf.lastBlock; ++column) addLeafColumn(node, column, offset);
   addLeafDestinations(node, storage.leafColumns);
@@ -180,17 +178,19 @@ void FactorPlanBuilder::layOutLeaf(int node, NodeStorage& storage) {
 void FactorPlanBuilder::addLeafColumn(int node, int column, std::int32_t& offset) {
   const int b = plan_.leafDimension;
   const std::span<const int> rows = below(column);
+  const TreeNode& leaf = plan_.nodes[node];
+  const int columns = leaf.lastBlock - leaf.firstBlock;
   LeafColumn entry{};
   entry.values = offset;
-  entry.scalar = plan_.blockScalar[column];
+  entry.scalar = (column - leaf.firstBlock) * b;
   entry.below = static_cast<std::int32_t>(rows.size());
   entry.rows = narrow(static_cast<std::int64_t>(plan_.leafRows.size()));
   for (const int row : rows) {
     const int target = tree_->position[row];
-    const bool inside = target < plan_.nodes[node].lastBlock;
+    const bool inside = target < leaf.lastBlock;
     entry.inside += inside ? 1 : 0;
-    plan_.leafRows.push_back(plan_.blockScalar[target]);
-    plan_.leafPositions.push_back(inside ? 0 : scratch_[row]);
+    plan_.leafRows.push_back((inside ? target - leaf.firstBlock : columns + scratch_[row]) * leafStride(b));
+    plan_.leafPositions.push_back(inside ? 0 : scratch_[row] * b);
   }
   plan_.leafColumns.push_back(entry);
   offset = narrow(std::int64_t{offset} + (entry.below + 1) * b * leafStride(b));
@@ -280,23 +280,31 @@ void FactorPlanBuilder::placeUpdates() {
   const auto sizeOf = [&](int node) {
     return plan_.nodes[node].rows == 0 ? 0 : plan_.storage[node].updateStride * plan_.nodes[node].rows + 8;
   };
-  std::vector<char> kept(plan_.nodes.size(), 0);  // roots of tasks outlive their task's arena
-  std::int64_t base = 0;
   const auto place = [&](ArenaPlanner& planner, int node) {
-    plan_.storage[node].update = base + planner.allocate(sizeOf(node));
-    for (const int child : plan_.childrenOf(node)) {
-      if (kept[child] == 0) planner.release(plan_.storage[child].update - base, sizeOf(child));
-    }
+    plan_.storage[node].update = planner.allocate(sizeOf(node));
+    plan_.storage[node].sharedUpdate = true;
+  };
+  const auto releaseChildren = [&](ArenaPlanner& planner, int node) {
+    for (const int child : plan_.childrenOf(node)) planner.release(plan_.storage[child].update, sizeOf(child));
   };
   for (const TaskSchedule::Task& task : plan_.schedule.tasks) {
-    ArenaPlanner planner;
-    for (int node = task.begin; node < task.end; ++node) place(planner, node);
-    kept[task.end - 1] = 1;
-    base += planner.peak();
+    ArenaPlanner planner;  // of the thread that runs the task; the root's update matrix outlives it
+    for (int node = task.begin; node < task.end - 1; ++node) {
+      plan_.storage[node].update = planner.allocate(sizeOf(node));
+      releaseChildren(planner, node);
+    }
+    plan_.workerArena = std::max(plan_.workerArena, planner.peak());
   }
+  plan_.workers = std::min(plan_.schedule.threads, static_cast<int>(plan_.schedule.tasks.size()));
   ArenaPlanner planner;
-  for (const int node : plan_.schedule.top) place(planner, node);
-  plan_.arenaCount = base + planner.peak();
+  planner.allocate(plan_.workers * plan_.workerArena);
+  for (const TaskSchedule::Task& task : plan_.schedule.tasks) place(planner, task.end - 1);
+  planner.release(0, plan_.workers * plan_.workerArena);
+  for (const int node : plan_.schedule.top) {
+    place(planner, node);
+    releaseChildren(planner, node);
+  }
+  plan_.arenaCount = planner.peak();
 }
 
 }  // namespace quiver::detail

@@ -142,85 +142,104 @@ int leafFactor(const LeafView& leaf, double* values, double* inverse, double* up
   return -1;
 }
 
+/// Copies blocks of b doubles that are `strideFrom` apart to places `strideTo` apart.
 template <int b>
-void leafForward(const LeafView& leaf, const double* values, const double* inverse, double* x, double* update) {
-  using Block = LeafBlock<b>;
-  for (int j = 0; j < leaf.count; ++j) {
-    const LeafColumn& column = leaf.columns[j];
-    const double* block = values + column.values;
-    double y[b];
-    for (int c = 0; c < b; ++c) {
-      y[c] = x[column.scalar + c];
-      for (int k = 0; k < c; ++k) y[c] -= block[k * Block::stride + c] * y[k];
-      y[c] *= inverse[column.scalar + c];
-      x[column.scalar + c] = y[c];
-    }
-    for (int i = 0; i < column.below; ++i) {
-      block += Block::size;
-      double* target = i < column.inside ? x + leaf.rows[column.rows + i] : update + leaf.positions[column.rows + i];
-      double sum[b];
-      for (int r = 0; r < b; ++r) sum[r] = target[r];
-      for (int c = 0; c < b; ++c) {
-        for (int r = 0; r < b; ++r) sum[r] -= block[c * Block::stride + r] * y[c];
-      }
-      for (int r = 0; r < b; ++r) target[r] = sum[r];
-    }
+inline __attribute__((always_inline)) void copyBlocks(double* to, int strideTo, const double* from, int strideFrom,
+                                                      int count) {
+  for (int i = 0; i < count; ++i, to += strideTo, from += strideFrom) {
+#pragma GCC unroll 9
+    for (int r = 0; r < b; ++r) to[r] = from[r];
   }
 }
 
-/// The products blockᵀ x of a column's blocks, summed up in pieces of 4, 2 and 1 rows: exact loads, since the scalars
-/// beyond a block may belong to another thread.
+/// The same into padded blocks.
 template <int b>
-struct TransposedSum {
-  static constexpr int fours = b / 4;
-  static constexpr bool two = b % 4 >= 2;
-  static constexpr bool one = b % 2 == 1;
-  VectorOf<4>::Type sum4[b][fours + 1] = {};
-  VectorOf<2>::Type sum2[b] = {};
-  double sum1[b] = {};
+inline __attribute__((always_inline)) void padBlocks(double* to, const double* from, int count) {
+  constexpr int stride = leafStride(b);
+  for (int i = 0; i < count; ++i, to += stride, from += b) {
+#pragma GCC unroll 12
+    for (int r = 0; r < stride; ++r) to[r] = r < b ? from[r] : 0.0;
+  }
+}
 
-  inline __attribute__((always_inline)) void add(const double* block, const double* x) {
+template <int b>
+void leafForward(const LeafView& leaf, const double* values, const double* inverse, double* x, double* v,
+                 double* update) {
+  using Block = LeafBlock<b>;
+  double* outside = v + leaf.count * Block::stride;
+  padBlocks<b>(v, x, leaf.count);
+  for (int i = 0; i < leaf.outside * Block::stride; ++i) outside[i] = 0.0;
+  for (int j = 0; j < leaf.count; ++j) {
+    const LeafColumn& column = leaf.columns[j];
+    const double* block = values + column.values;
+    const double* reciprocal = inverse + column.scalar;
+    double* own = v + j * Block::stride;
+    double y[b];
 #pragma GCC unroll 9
     for (int c = 0; c < b; ++c) {
-      const double* column = block + c * leafStride(b);
-#pragma GCC unroll 2
-      for (int k = 0; k < fours; ++k) sum4[c][k] += load<4>(column + 4 * k) * load<4>(x + 4 * k);
-      if constexpr (two) sum2[c] += load<2>(column + 4 * fours) * load<2>(x + 4 * fours);
-      if constexpr (one) sum1[c] += column[b - 1] * x[b - 1];
+      y[c] = own[c];
+#pragma GCC unroll 9
+      for (int k = 0; k < c; ++k) y[c] -= block[k * Block::stride + c] * y[k];
+      y[c] *= reciprocal[c];
+      own[c] = y[c];
+    }
+    const std::int32_t* rows = leaf.rows + column.rows;
+    for (int i = 0; i < column.below; ++i) {
+      block += Block::size;
+      double* target = v + rows[i];
+#pragma GCC unroll 12
+      for (int k = 0; k < Block::vectors; ++k) {
+        auto sum = load<Block::lanes>(target + k * Block::lanes);
+#pragma GCC unroll 9
+        for (int c = 0; c < b; ++c) sum -= load<Block::lanes>(block + c * Block::stride + k * Block::lanes) * y[c];
+        store<Block::lanes>(target + k * Block::lanes, sum);
+      }
     }
   }
+  copyBlocks<b>(x, b, v, Block::stride, leaf.count);
+  copyBlocks<b>(update, b, outside, Block::stride, leaf.outside);
+}
 
-  inline __attribute__((always_inline)) double of(int c) const {
-    double sum = sum1[c];
-    if constexpr (two) sum += sum2[c][0] + sum2[c][1];
-#pragma GCC unroll 2
-    for (int k = 0; k < fours; ++k) sum += (sum4[c][k][0] + sum4[c][k][1]) + (sum4[c][k][2] + sum4[c][k][3]);
-    return sum;
-  }
-};
+inline double sumOfLanes(double v) { return v; }
+inline double sumOfLanes(VectorOf<2>::Type v) { return v[0] + v[1]; }
+inline double sumOfLanes(VectorOf<4>::Type v) { return (v[0] + v[2]) + (v[1] + v[3]); }
+inline double sumOfLanes(VectorOf<8>::Type v) {
+  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+}
 
 template <int b>
-void leafBackward(const LeafView& leaf, const double* values, const double* inverse, double* x) {
+void leafBackward(const LeafView& leaf, const double* values, const double* inverse, double* x, double* v) {
   using Block = LeafBlock<b>;
+  padBlocks<b>(v, x, leaf.count);
   for (int j = leaf.count - 1; j >= 0; --j) {
     const LeafColumn& column = leaf.columns[j];
     const double* diagonal = values + column.values;
+    const double* reciprocal = inverse + column.scalar;
     const double* block = diagonal;
     const std::int32_t* rows = leaf.rows + column.rows;
-    TransposedSum<b> sums;
+    typename Block::Vector sums[b] = {};
     for (int i = 0; i < column.below; ++i) {
       block += Block::size;
-      sums.add(block, x + rows[i]);
+      const double* source = v + rows[i];
+#pragma GCC unroll 12
+      for (int k = 0; k < Block::vectors; ++k) {
+        const auto values = load<Block::lanes>(source + k * Block::lanes);
+#pragma GCC unroll 9
+        for (int c = 0; c < b; ++c)
+          sums[c] += load<Block::lanes>(block + c * Block::stride + k * Block::lanes) * values;
+      }
     }
+    double* own = v + j * Block::stride;
     double y[b];
 #pragma GCC unroll 9
     for (int c = b - 1; c >= 0; --c) {
-      y[c] = x[column.scalar + c] - sums.of(c);
+      y[c] = own[c] - sumOfLanes(sums[c]);
 #pragma GCC unroll 9
-      for (int k = c + 1; k < b; ++k) y[c] -= diagonal[c * Block::stride + k] * y[k];
-      y[c] *= inverse[column.scalar + c];
+      for (int k = b - 1; k > c; --k) y[c] -= diagonal[c * Block::stride + k] * y[k];
+      y[c] *= reciprocal[c];
     }
 #pragma GCC unroll 9
-    for (int c = 0; c < b; ++c) x[column.scalar + c] = y[c];
+    for (int c = 0; c < b; ++c) own[c] = y[c];
   }
+  copyBlocks<b>(x, b, v, Block::stride, leaf.count);
 }

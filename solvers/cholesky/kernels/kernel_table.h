@@ -17,7 +17,7 @@ struct RowRun {
 /// One block column of a leaf subtree. Offsets of values count from the subtree's first value.
 struct LeafColumn {
   std::int32_t values;        // the diagonal block; the blocks below follow
-  std::int32_t scalar;        // first scalar, in the factor's numbering
+  std::int32_t scalar;        // first scalar, counted from the subtree's first
   std::int32_t below;         // blocks below the diagonal
   std::int32_t inside;        // how many of them have their row in the subtree; these come first
   std::int32_t rows;          // first entry of the blocks below in LeafView::rows and ::positions
@@ -28,7 +28,10 @@ struct LeafColumn {
 struct LeafView {
   const LeafColumn* columns;
   std::int32_t count;
-  /// First scalar of each block row, in the factor's numbering.
+  /// Block rows outside, below all columns.
+  std::int32_t outside;
+  /// Each block row's place in a vector of the subtree: `count` + `outside` blocks of leafStride(b) doubles, padded
+  /// with zeros.
   const std::int32_t* rows;
   /// Row of each outside block in the update matrix.
   const std::int32_t* positions;
@@ -81,11 +84,12 @@ struct KernelTable {
   /// times the dimension plus its coordinate, or −1.
   int (*leafFactor[largestLeafDimension + 1])(const LeafView& leaf, double* values, double* inverse, double* update,
                                               std::int64_t updateStride, double* pivot);
-  /// x is in the factor's numbering; `update` receives what the rows outside get.
+  /// x are the subtree's scalars, v is a vector of the subtree. Forward, `update` receives what the rows outside get;
+  /// backward, the places of the rows outside in v hold their solution.
   void (*leafForward[largestLeafDimension + 1])(const LeafView& leaf, const double* values, const double* inverse,
-                                                double* x, double* update);
+                                                double* x, double* v, double* update);
   void (*leafBackward[largestLeafDimension + 1])(const LeafView& leaf, const double* values, const double* inverse,
-                                                 double* x);
+                                                 double* x, double* v);
 };
 
 /// Doubles between the columns of a leaf block of dimension b.
