@@ -3,6 +3,7 @@
 
 #include <quiver/apps/commands.h>
 #include <quiver/apps/simulate/bundle_command.h>
+#include <quiver/apps/simulate/outliers_command.h>
 #include <quiver/apps/simulate/sphere.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/outcome.h>
@@ -81,6 +82,7 @@ void addSimulateCommand(CLI::App& parser, int&) {
       "  quiver simulate sphere -o sphere.g2o --truth sphere_truth.g2o\n"
       "  quiver simulate sphere -o small.g2o --laps 10 --nodes-per-lap 20 --seed 7 --noise-rotation '0.01;0.01;0.05'");
   addBundleSimulation(*command);
+  addOutliersSimulation(*command);
   sphere->callback([flags] { simulateSphere(*flags); });
 }
 

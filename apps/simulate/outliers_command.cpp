@@ -1,0 +1,47 @@
+#include <quiver/apps/simulate/outliers_command.h>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <quiver/apps/simulate/wrong_loops.h>
+#include <quiver/apps/support/graph_source.h>
+#include <quiver/apps/support/output.h>
+
+namespace quiver::app {
+namespace {
+
+struct Flags {
+  GraphSource source;
+  std::string output;
+  double fraction = 0.1;
+  std::uint64_t seed = 0;
+};
+
+void simulateOutliers(const Flags& flags) {
+  checkOutputs({flags.output});
+  LoadedGraph loaded = loadGraph(flags.source);
+  const std::int64_t added = addWrongLoops(loaded.graph, flags.fraction, flags.seed);
+  saveGraph(flags.output, loaded.graph, flags.source.threads);
+  fmt::print(flags.output == "-" ? stderr : stdout, "{} wrong loop closures added: {}\n", added, flags.output);
+}
+
+}  // namespace
+
+void addOutliersSimulation(CLI::App& simulate) {
+  CLI::App* command = simulate.add_subcommand("outliers", "Add wrong loop closures to a pose graph");
+  auto flags = std::make_shared<Flags>();
+  addSourceOptions(*command, flags->source);
+  command->add_option("-o,--output", flags->output, "Graph to write")->required()->type_name("OUT");
+  command->add_option("--fraction", flags->fraction, "Wrong loop closures, as a part of the number of right ones")
+      ->type_name("F")
+      ->check(CLI::NonNegativeNumber.description(""))
+      ->capture_default_str();
+  command->add_option("--seed", flags->seed, "Seed of the draw")->type_name("N")->capture_default_str();
+  command->footer(
+      "Example:\n"
+      "  quiver simulate outliers city.g2o -o wrong.g2o --fraction 0.1 --seed 1\n"
+      "  quiver optimize wrong.g2o --init odometry --robust dcs:1 --robust-edges loops -o robust.g2o");
+  command->callback([flags] { simulateOutliers(*flags); });
+}
+
+}  // namespace quiver::app
