@@ -14,9 +14,7 @@
 namespace quiver {
 namespace {
 
-double chi2Of(Graph& graph, const Options& options) {
-  const int threads = options.threads > 0 ? options.threads : hardwareThreads();
-  Problem problem(graph, {options.level, options.free, threads});
+double chi2Of(Problem& problem) {
   const CostTotals totals = problem.evaluate(problem.state());
   return totals.finite() ? totals.chi2 : HUGE_VAL;
 }
@@ -57,11 +55,14 @@ AutomaticStart automaticStart(Graph& graph, const Options& options) {
   // Landmarks whose estimates were given must not be lost to a start that cannot tell them; free subsets start where
   // they are.
   if (!options.free.empty()) return start;
-  const double before = chi2Of(graph, options);
+  const int threads = options.threads > 0 ? options.threads : hardwareThreads();
+  Problem problem(graph, {options.level, options.free, threads});
+  const double before = chi2Of(problem);
   Estimates saved(graph);
   try {
     const std::string chordal = chordalEstimate(graph, options);
-    const double after = chi2Of(graph, options);
+    problem.refresh();
+    const double after = chi2Of(problem);
     if (after < before) {
       return {"chordal", fmt::format("{}: chi2 {:.6g}, lower than {:.6g} of {}", chordal, after, before, start.reason)};
     }

@@ -12,6 +12,7 @@
 #include <quiver/initialization/pose_graph.h>
 #include <quiver/initialization/propagation.h>
 #include <quiver/solvers/backends/block_solver.h>
+#include <quiver/solvers/block/ordering.h>
 
 namespace quiver {
 namespace {
@@ -36,7 +37,8 @@ class PoseSystem {
     const BlockPattern natural =
         BlockPattern::fromPairs(BlockLayout(std::vector<int>(static_cast<std::size_t>(count), dimension)), pairs);
     solver_ = makeBlockSolver();
-    if (order.empty()) order = solver_->order(natural).order;
+    // One factorisation does not pay for a search for the best order.
+    if (order.empty()) order = amdOrdering(natural).order;
     std::vector<int> place(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) place[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])] = i;
     position_.resize(free.size());
@@ -115,15 +117,21 @@ void solveRotations(PoseGraph<D>& poses, int threads, std::vector<int>& order, c
     }
   }
   system.solve(D, stop);
-  for (std::size_t pose = 0; pose < poses.rotations.size(); ++pose) {
+  const auto project = [&](std::size_t pose) {
     const int block = system.position(static_cast<int>(pose));
-    if (block < 0) continue;
+    if (block < 0) return;
     Matrix<double, D, D> M;
     for (int k = 0; k < D; ++k) {
       for (int r = 0; r < D; ++r) M(k, r) = system.right(block, r, k);
     }
     poses.rotations[pose] = nearestRotation<D>(M);
-  }
+  };
+  constexpr std::size_t piece = 256;
+  const std::size_t count = poses.rotations.size();
+  parallelFor(static_cast<std::int64_t>((count + piece - 1) / piece), threads, [&](std::int64_t p) {
+    const std::size_t begin = static_cast<std::size_t>(p) * piece;
+    for (std::size_t pose = begin; pose < std::min(count, begin + piece); ++pose) project(pose);
+  });
 }
 
 /// Σ τ ‖t_j − t_i − R_i t_ij‖²: a scalar Laplacian, D right-hand sides.

@@ -79,18 +79,29 @@ bool isRelative(const EdgeType& type, const Edge& edge, Graph& graph) {
          (expected.translation() - fromProbe.translation()).norm() < 1e-9 * scale;
 }
 
-/// 1 / mean variance of a diagonal block of Ω⁻¹; singular information counts as very weak.
-void weigh(std::span<const double> triangle, int rows, int D, double& rotationWeight, double& translationWeight) {
-  Eigen::MatrixXd omega(rows, rows);
+/// 1 / mean variance of a diagonal block of Ω⁻¹; singular information counts as very weak. `triangle` is the upper
+/// triangle of Ω row by row, translation first.
+template <int D>
+void weigh(std::span<const double> triangle, double& rotationWeight, double& translationWeight) {
+  constexpr int rows = D == 2 ? 3 : 6;
+  Matrix<double, rows, rows> omega;
+  bool diagonal = true;
   for (int r = 0, k = 0; r < rows; ++r) {
-    for (int c = r; c < rows; ++c, ++k) omega(r, c) = omega(c, r) = triangle[static_cast<std::size_t>(k)];
+    for (int c = r; c < rows; ++c, ++k) {
+      omega(r, c) = omega(c, r) = triangle[static_cast<std::size_t>(k)];
+      diagonal = diagonal && (r == c || omega(r, c) == 0.0);
+    }
   }
   const double floor = std::max(1e-9 * omega.diagonal().maxCoeff(), 1e-12);
   omega.diagonal().array() += floor;
-  const Eigen::VectorXd variance = omega.inverse().diagonal();
-  const int rotations = rows - D;
-  translationWeight = D / variance.head(D).sum();
-  rotationWeight = rotations / variance.tail(rotations).sum();
+  Vector<double, rows> variance;
+  if (diagonal) {
+    variance = omega.diagonal().cwiseInverse();
+  } else {
+    variance = omega.partialPivLu().solve(Matrix<double, rows, rows>::Identity()).diagonal();
+  }
+  translationWeight = D / variance.template head<D>().sum();
+  rotationWeight = (rows - D) / variance.template tail<rows - D>().sum();
 }
 
 template <int D>
@@ -172,8 +183,7 @@ PoseGraph<D> readPoseGraph(Graph& graph, const Options& options) {
                                           1.0,
                                           1.0};
       if (edgeType.errorDimension(*edge) == (D == 2 ? 3 : 6)) {
-        weigh(edgeType.information(*edge), edgeType.errorDimension(*edge), D, one.rotationWeight,
-              one.translationWeight);
+        weigh<D>(edgeType.information(*edge), one.rotationWeight, one.translationWeight);
       }
       poses.edges.push_back(one);
     }
