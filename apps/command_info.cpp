@@ -13,6 +13,7 @@
 #include <quiver/apps/support/output.h>
 #include <quiver/core/algorithm/gauge.h>
 #include <quiver/core/algorithm/optimizer.h>
+#include <quiver/types_sba/depth.h>
 #include <quiver/version.h>
 
 namespace quiver::app {
@@ -167,7 +168,26 @@ void printStructure(const Json& json) {
   printLine("information", json["information"].get<std::string>());
 }
 
+/// Nothing where no camera sees anything.
+Json describeDepth(const Graph& graph) {
+  const DepthSurvey survey = surveyDepth(graph);
+  if (survey.observations == 0) return Json();
+  Json json{{"observations", survey.observations}, {"behind_camera", survey.behind}, {"first", nullptr}};
+  if (survey.first) {
+    const auto ids = survey.first->vertexIds();
+    json["first"] = {{"type", graph.typeOf(*survey.first).tag()},
+                     {"vertices", std::vector<std::int64_t>(ids.begin(), ids.end())}};
+  }
+  return json;
+}
+
 void printNumbers(const Json& json) {
+  if (json.contains("depth") && json["depth"]["behind_camera"].get<std::int64_t>() > 0) {
+    const Json& depth = json["depth"];
+    printLine("depth", fmt::format("{} of {} observations are of points behind their camera, the first {} {}",
+                                   depth["behind_camera"].dump(), depth["observations"].dump(),
+                                   depth["first"]["type"].get<std::string>(), depth["first"]["vertices"].dump()));
+  }
   if (json["chi2"].is_null()) {
     printLine("chi2", "unknown: vertices have no estimate");
   } else {
@@ -211,6 +231,7 @@ void info(const Flags& flags) {
   } else {
     json.update(Json{{"chi2", nullptr}, {"cost", nullptr}, {"worst_edges", Json::array()}, {"gauge", Json::array()}});
   }
+  if (Json depth = describeDepth(graph); !depth.is_null()) json["depth"] = std::move(depth);
   if (flags.plan) json["plan"] = describePlan(graph, flags.source.threads);
   if (!flags.json.empty()) saveJson(flags.json, json);
   if (flags.json == "-") return;
