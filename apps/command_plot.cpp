@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/commands.h>
+#include <quiver/apps/plot/structure.h>
 #include <quiver/apps/plot/svg_plot.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/output.h>
@@ -13,6 +14,7 @@ struct Flags {
   GraphSource source;
   std::string before;
   std::string output;
+  bool structure = false;
 };
 
 Scene loadScene(GraphSource source, const std::string& path, const char* label) {
@@ -22,8 +24,21 @@ Scene loadScene(GraphSource source, const std::string& path, const char* label) 
   return makeScene(loaded.graph, fmt::format("{}{}", label, displayName(path)));
 }
 
+void plotStructure(const Flags& flags) {
+  LoadedGraph loaded = loadGraph(flags.source);
+  for (const std::string& note : readingNotes(flags.source, loaded.report)) fmt::print(stderr, "{}\n", note);
+  const StructurePictures pictures = pictureStructure(loaded.graph, Options());
+  saveText(flags.output, drawStructure(pictures));
+  std::FILE* const stream = flags.output == "-" ? stderr : stdout;
+  for (const MatrixPicture& matrix : pictures.matrices) {
+    fmt::print(stream, "{}: {} blocks, {} unknowns a side; {} blocks stored, {} numbers, {:.3g} % full\n", matrix.title,
+               matrix.blocks, matrix.scalars, matrix.storedBlocks, matrix.storedScalars, 100.0 * matrix.fill);
+  }
+}
+
 void plot(const Flags& flags) {
   checkOutputs({flags.output});
+  if (flags.structure) return plotStructure(flags);
   std::vector<Scene> scenes;
   if (!flags.before.empty()) scenes.push_back(loadScene(flags.source, flags.before, "before: "));
   scenes.push_back(loadScene(flags.source, flags.source.path, flags.before.empty() ? "" : "after: "));
@@ -33,7 +48,8 @@ void plot(const Flags& flags) {
 }  // namespace
 
 void addPlotCommand(CLI::App& parser, int&) {
-  CLI::App* command = parser.add_subcommand("plot", "Draw a graph's trajectory and loop closures as SVG");
+  CLI::App* command =
+      parser.add_subcommand("plot", "Draw a graph's trajectory and loop closures, or its matrices, as SVG");
   auto flags = std::make_shared<Flags>();
   addSourceOptions(*command, flags->source);
   command->add_option("-o,--output", flags->output, "Picture to write (- is standard output)")
@@ -41,8 +57,15 @@ void addPlotCommand(CLI::App& parser, int&) {
       ->type_name("OUT.svg");
   command->add_option("--before", flags->before, "Draw this graph beside it: the one before the optimisation")
       ->type_name("FILE");
+  command
+      ->add_flag("--structure", flags->structure,
+                 "Draw where H, the reduced matrix and the factor have entries, with the figures of their fill")
+      ->excludes("--before");
   command->footer(
-      "Examples:\n  quiver plot optimised.g2o -o map.svg\n  quiver plot out.g2o --before in.g2o -o both.svg");
+      "Examples:\n"
+      "  quiver plot optimised.g2o -o map.svg\n"
+      "  quiver plot out.g2o --before in.g2o -o both.svg\n"
+      "  quiver plot ladybug.bal --structure -o arrow.svg");
   command->callback([flags] { plot(*flags); });
 }
 
