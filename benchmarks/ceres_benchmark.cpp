@@ -43,7 +43,8 @@ double ceresIteration(const std::string& file) {
 }  // namespace
 
 int main(int count, char** words) {
-  const bench::Arguments arguments(count, words, {"intel", "M3500", "sphere2500", "sphere_noisy", "parking-garage"});
+  const bench::Arguments arguments(count, words,
+                                   {"intel", "M3500", "sphere2500", "sphere_noisy", "torus3D", "parking-garage"});
   try {
     bench::demandBlas(arguments.anyBlas);
   } catch (const Error& error) {
