@@ -15,6 +15,8 @@ namespace {
 /// Scalar columns of a front that are assembled or formed together.
 constexpr int assemblyColumns = 48;
 constexpr int updateColumns = 48;
+/// Right-hand sides that go through the factor together: each node is read from far memory once for all of them.
+constexpr int columnsTogether = 4;
 
 /// Copies blocks to their destinations; b is their common dimension, 0 if it is known at run time only.
 template <int b>
@@ -55,18 +57,21 @@ BlockCholesky::BlockCholesky(KernelLevel level) : kernels_(kernelTable(level)) {
 
 void BlockCholesky::analyze(std::shared_ptr<const BlockPattern> pattern, int threads) {
   factored_ = false;
+  const bool same = pattern_ != nullptr && threads == threads_ && (pattern == pattern_ || *pattern == *pattern_);
   pattern_ = std::move(pattern);
+  if (same) return;
+  threads_ = threads;
   plan_ = FactorPlan(*pattern_, threads);
   reserve(values_, plan_.valueCount + 8);
   reserve(inverse_, pattern_->layout().scalars());
   reserve(arena_, plan_.arenaCount + 8);
-  reserve(workspace_, plan_.workspaceCount + 8);
-  reserve(x_, pattern_->layout().scalars());
+  columnCount_ = (plan_.workspaceCount + pattern_->layout().scalars() + 7) / 8 * 8;
+  reserve(workspace_, columnsTogether * columnCount_);
   failures_.assign(plan_.schedule.tasks.size(), {});
 }
 
 FactorStatistics BlockCholesky::statistics() const {
-  const std::int64_t doubles = values_.size() + inverse_.size() + arena_.size() + workspace_.size() + x_.size();
+  const std::int64_t doubles = values_.size() + inverse_.size() + arena_.size() + workspace_.size();
   return {plan_.size.nonzeros, plan_.size.flops, doubles * 8 + plan_.bytes(), 0};
 }
 
@@ -226,42 +231,57 @@ void BlockCholesky::formUpdate(int node, const Worker& worker, int columnBegin, 
 SolverStatus BlockCholesky::solve(std::span<double> rightHandSides, int count) {
   validateSolve(name(), factored_, pattern_.get(), rightHandSides, count);
   const std::int64_t scalars = pattern_->layout().scalars();
-  for (int k = 0; k < count; ++k) solveOne(rightHandSides.data() + k * scalars);
+  for (int k = 0; k < count; k += columnsTogether) {
+    solveTogether(rightHandSides.data() + k * scalars, std::min(columnsTogether, count - k));
+  }
   return {};
 }
 
-void BlockCholesky::solveOne(double* b) {
+BlockCholesky::Column BlockCholesky::columnOf(int index) {
+  double* workspace = workspace_.data() + index * columnCount_;
+  return {workspace + plan_.workspaceCount, workspace};
+}
+
+void BlockCholesky::solveTogether(double* b, int count) {
   const TaskSchedule& schedule = plan_.schedule;
-  loadVector(b);
-  parallelFor(static_cast<std::int64_t>(schedule.tasks.size()), schedule.threads, [&](std::int64_t t) {
-    for (int node = schedule.tasks[t].begin; node < schedule.tasks[t].end; ++node) forwardNode(node);
+  const std::int64_t scalars = pattern_->layout().scalars();
+  const auto tasks = static_cast<std::int64_t>(schedule.tasks.size());
+  const auto forward = [&](int node) {
+    for (int k = 0; k < count; ++k) forwardNode(node, columnOf(k));
+  };
+  const auto backward = [&](int node) {
+    for (int k = 0; k < count; ++k) backwardNode(node, columnOf(k));
+  };
+  for (int k = 0; k < count; ++k) loadVector(b + k * scalars, columnOf(k).x);
+  parallelFor(tasks, schedule.threads, [&](std::int64_t t) {
+    for (int node = schedule.tasks[t].begin; node < schedule.tasks[t].end; ++node) forward(node);
   });
-  for (const int node : schedule.top) forwardNode(node);
-  for (std::size_t k = schedule.top.size(); k-- > 0;) backwardNode(schedule.top[k]);
-  parallelFor(static_cast<std::int64_t>(schedule.tasks.size()), schedule.threads, [&](std::int64_t t) {
-    for (int node = schedule.tasks[t].end - 1; node >= schedule.tasks[t].begin; --node) backwardNode(node);
+  for (const int node : schedule.top) forward(node);
+  for (std::size_t i = schedule.top.size(); i-- > 0;) backward(schedule.top[i]);
+  parallelFor(tasks, schedule.threads, [&](std::int64_t t) {
+    for (int node = schedule.tasks[t].end - 1; node >= schedule.tasks[t].begin; --node) backward(node);
   });
-  storeVector(b);
+  for (int k = 0; k < count; ++k) storeVector(columnOf(k).x, b + k * scalars);
 }
 
-void BlockCholesky::loadVector(const double* b) {
+void BlockCholesky::loadVector(const double* b, double* x) const {
   forEachBlock(plan_, [&](const auto size, std::int64_t first, std::int64_t place) {
-    for (int c = 0; c < size; ++c) x_.data()[first + c] = b[place + c];
+    for (int c = 0; c < size; ++c) x[first + c] = b[place + c];
   });
 }
 
-void BlockCholesky::storeVector(double* b) const {
+void BlockCholesky::storeVector(const double* x, double* b) const {
   forEachBlock(plan_, [&](const auto size, std::int64_t first, std::int64_t place) {
-    for (int c = 0; c < size; ++c) b[place + c] = x_.data()[first + c];
+    for (int c = 0; c < size; ++c) b[place + c] = x[first + c];
   });
 }
 
 /// y = L⁻¹ b in the node's columns; what the rows below lose stays in the node's part of the workspace, for the parent.
-void BlockCholesky::forwardNode(int node) {
+void BlockCholesky::forwardNode(int node, const Column& column) {
   const TreeNode& front = plan_.nodes[node];
   const NodeStorage& storage = plan_.storage[node];
-  double* v = workspace_.data() + storage.vector;
-  double* x = x_.data() + storage.scalar;
+  double* v = column.workspace + storage.vector;
+  double* x = column.x + storage.scalar;
   if (front.leaf) {
     kernels_.leafForward[plan_.leafDimension](plan_.leafOf(node), values_.data() + storage.values,
                                               inverse_.data() + storage.scalar, x, v + storage.paddedRows, v);
@@ -270,7 +290,7 @@ void BlockCholesky::forwardNode(int node) {
   std::memset(v, 0, static_cast<std::size_t>(storage.paddedColumns + storage.paddedRows) * sizeof(double));
   std::copy(x, x + front.columns, v);
   for (const int child : plan_.childrenOf(node)) {
-    const double* passed = workspace_.data() + plan_.storage[child].vector + plan_.storage[child].paddedColumns;
+    const double* passed = column.workspace + plan_.storage[child].vector + plan_.storage[child].paddedColumns;
     for (const RowRun& run : plan_.runsOf(child)) {
       for (int i = 0; i < run.length; ++i) v[run.destination + i] += passed[run.source + i];
     }
@@ -280,18 +300,18 @@ void BlockCholesky::forwardNode(int node) {
   std::copy(v, v + front.columns, x);
 }
 
-void BlockCholesky::backwardNode(int node) {
+void BlockCholesky::backwardNode(int node, const Column& column) {
   const TreeNode& front = plan_.nodes[node];
   const NodeStorage& storage = plan_.storage[node];
-  double* v = workspace_.data() + storage.vector;
-  double* x = x_.data() + storage.scalar;
+  double* v = column.workspace + storage.vector;
+  double* x = column.x + storage.scalar;
   if (front.leaf) {
     const int b = plan_.leafDimension;
     double* subtree = v + storage.paddedRows;
     double* outside = subtree + front.columns / b * leafStride(b);
     for (const ScalarSpan& span : plan_.spansOf(node)) {
       for (int i = 0; i < span.length; i += b, outside += leafStride(b))
-        std::copy_n(x_.data() + span.begin + i, b, outside);
+        std::copy_n(column.x + span.begin + i, b, outside);
     }
     kernels_.leafBackward[b](plan_.leafOf(node), values_.data() + storage.values, inverse_.data() + storage.scalar, x,
                              subtree);
@@ -300,7 +320,7 @@ void BlockCholesky::backwardNode(int node) {
   std::copy(x, x + front.columns, v);
   double* below = v + storage.paddedColumns;
   for (const ScalarSpan& span : plan_.spansOf(node)) {
-    std::copy(x_.data() + span.begin, x_.data() + span.begin + span.length, below);
+    std::copy(column.x + span.begin, column.x + span.begin + span.length, below);
     below += span.length;
   }
   // Padding meets zeros of the panel, but must be finite.

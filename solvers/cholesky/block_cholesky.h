@@ -61,12 +61,18 @@ class BlockCholesky final : public LinearSolver {
   void formUpdate(int node, const Worker& worker, int columnBegin, int columnEnd);
   SolverStatus statusOf(const Failure& failure) const;
 
-  void solveOne(double* b);
-  /// Copies between a vector in the pattern's order and x_.
-  void loadVector(const double* b);
-  void storeVector(double* b) const;
-  void forwardNode(int node);
-  void backwardNode(int node);
+  /// One right-hand side on its way through the factor.
+  struct Column {
+    double* x;          // in the factor's numbering
+    double* workspace;  // the nodes' parts of the substitution
+  };
+  Column columnOf(int index);
+  void solveTogether(double* b, int count);
+  /// Copies between a vector in the pattern's order and one in the factor's.
+  void loadVector(const double* b, double* x) const;
+  void storeVector(const double* x, double* b) const;
+  void forwardNode(int node, const Column& column);
+  void backwardNode(int node, const Column& column);
 
   const KernelTable& kernels_;
   std::shared_ptr<const BlockPattern> pattern_;
@@ -74,9 +80,10 @@ class BlockCholesky final : public LinearSolver {
   AlignedBuffer values_;           // the factor
   AlignedBuffer inverse_;          // reciprocals of its diagonal
   AlignedBuffer arena_;            // update matrices
-  AlignedBuffer workspace_;        // the nodes' parts of a substitution
-  AlignedBuffer x_;                // a right-hand side in the factor's numbering
+  AlignedBuffer workspace_;        // of the right-hand sides that are solved together
   std::vector<Failure> failures_;  // of each task
+  int threads_ = 0;                // of the analysis
+  std::int64_t columnCount_ = 0;   // doubles of the workspace for one right-hand side
   bool factored_ = false;
 };
 

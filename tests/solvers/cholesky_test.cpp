@@ -105,18 +105,57 @@ TEST(BlockCholesky, solvesLargeSystems) {
   }
 }
 
+TEST(BlockCholesky, solvesRightHandSidesTogetherAsOneByOne) {
+  std::mt19937 random(14);
+  for (const auto& choices : largeChoices) {
+    const BlockMatrix matrix = largeSystem(choices, random);
+    const auto pattern = std::make_shared<const BlockPattern>(matrix.pattern());
+    const auto scalars = static_cast<std::size_t>(pattern->layout().scalars());
+    constexpr int count = 7;
+    std::vector<double> together(count * scalars);
+    for (double& value : together) value = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
+    std::vector<double> single = together;
+    BlockCholesky solver;
+    solver.analyze(pattern, 2);
+    ASSERT_TRUE(solver.factorize(matrix, {}).ok());
+    solver.solve(together, count);
+    for (int k = 0; k < count; ++k)
+      solver.solve(std::span(single).subspan(static_cast<std::size_t>(k) * scalars, scalars));
+    EXPECT_EQ(together, single);
+  }
+}
+
+TEST(BlockCholesky, analyzesOtherStructuresAnew) {
+  std::mt19937 random(15);
+  BlockCholesky solver;
+  for (const auto& choices : largeChoices) {
+    const BlockMatrix matrix = largeSystem(choices, random, 300);
+    const auto pattern = std::make_shared<const BlockPattern>(matrix.pattern());
+    solver.analyze(pattern, 2);
+    std::vector<double> x(static_cast<std::size_t>(pattern->layout().scalars()), 1.0);
+    EXPECT_THROW(solver.solve(x), LogicError);  // not before the new matrix is factored
+    ASSERT_TRUE(solver.factorize(matrix, {}).ok());
+    solver.solve(x);
+    std::vector<double> product(x.size());
+    matrix.multiply(x, product);
+    for (const double value : product) EXPECT_NEAR(value, 1.0, 1e-12);
+  }
+}
+
 TEST(BlockCholesky, doesNotAllocateAfterTheAnalysis) {
   std::mt19937 random(13);
   for (const auto& choices : largeChoices) {
     const BlockMatrix matrix = largeSystem(choices, random);
     const auto pattern = std::make_shared<const BlockPattern>(matrix.pattern());
-    std::vector<double> x(static_cast<std::size_t>(3 * pattern->layout().scalars()), 1.0);
+    std::vector<double> x(static_cast<std::size_t>(6 * pattern->layout().scalars()), 1.0);
     const std::vector<double> damping(static_cast<std::size_t>(pattern->layout().scalars()), 0.5);
     BlockCholesky solver;
     solver.analyze(pattern, 1);
+    const auto again = std::make_shared<const BlockPattern>(matrix.pattern());
     allocations = 0;
     countAllocations = true;
-    const bool solved = solver.factorize(matrix, damping).ok() && solver.solve(x, 3).ok();
+    solver.analyze(again, 1);  // the same structure: nothing to do
+    const bool solved = solver.factorize(matrix, damping).ok() && solver.solve(x, 6).ok();
     countAllocations = false;
     EXPECT_TRUE(solved);
     EXPECT_EQ(allocations, 0);
