@@ -9,7 +9,7 @@ namespace quiver {
 namespace {
 
 /// Memory of a sparse factorisation, its lists and update matrices included, by that of its factor.
-constexpr double factorExcess = 1.6;
+constexpr double factorExcess = 2.4;
 
 }  // namespace
 

@@ -6,7 +6,7 @@
 namespace quiver {
 namespace {
 
-constexpr double firstForcing = 0.1;
+constexpr double firstForcing = 0.01;
 
 double dot(std::span<const double> a, std::span<const double> b) {
   double sum = 0.0;

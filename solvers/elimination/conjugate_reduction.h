@@ -11,7 +11,7 @@ namespace quiver {
 
 /// Preconditioned conjugate gradients for the reduced system S x = s, given by its products alone.
 ///
-/// A step far from the optimum need not be exact: the solve ends at √(rᵀM⁻¹r) ≤ η √(sᵀM⁻¹s), where η begins at 0.1 and
+/// A step far from the optimum need not be exact: the solve ends at √(rᵀM⁻¹r) ≤ η √(sᵀM⁻¹s), where η begins at 0.01 and
 /// falls to `tolerance` as the right-hand sides of successive systems do (Eisenstat and Walker's second choice).
 class ConjugateReduction {
  public:

@@ -34,9 +34,7 @@ PointEliminator::PointEliminator(const Problem& problem, const EliminationPlan& 
       linearizer_(&linearizer),
       assembler_(&assembler),
       threads_(threads),
-      set_(&detail::eliminationKernels()),
-      factors_(plan.sumNumbers() + 8),
-      dropped_(static_cast<std::size_t>(plan.pointGroups()), 0) {
+      set_(&detail::eliminationKernels()) {
   chooseKernels();
   std::int64_t next = 0;
   for (int k = 0; k < plan.kept(); ++k) {
@@ -44,27 +42,29 @@ PointEliminator::PointEliminator(const Problem& problem, const EliminationPlan& 
     next += (plan.keptLayout().dimension(k) + 7) / 8 * 8;
   }
   padded_.push_back(next);  // zeros, for fixed vertices
-  int largest = 8;
-  int scratch = 8;
-  int along = 8;
+  std::int64_t largest = 8;
   for (const RowKind& kind : plan.kinds()) {
     for (const int columns : kind.shape.columns) {
-      for (const int e : pointDimensions_) {
-        largest = std::max(largest, detail::recordSize(columns, e));
-        scratch = std::max(scratch, std::max(kind.shape.rows, 2) * e * lanes);
-      }
-      largest = std::max(largest, (columns + 7) / 8 * 8);
+      for (const int e : pointDimensions_) largest = std::max<std::int64_t>(largest, detail::recordSize(columns, e));
+      largest = std::max<std::int64_t>(largest, (columns + 7) / 8 * 8);
     }
-    along = std::max(along, kind.shape.rows * lanes);
   }
+  largestRecord_ = largest;
   paddedIn_ = AlignedBuffer(next + largest);
-  workspaces_.resize(parts);
-  for (Workspace& work : workspaces_) {
-    work.rows = linearizer.makeWorkspace();
-    work.scratch = AlignedBuffer(scratch);
-    work.nowhere = AlignedBuffer(largest);
-    work.along = AlignedBuffer(along * RowLinearizer::mostRows);
+  for (int p = 0; p < parts; ++p) workspaces_.push_back(makeWorkspace());
+}
+
+PointEliminator::Workspace PointEliminator::makeWorkspace() const {
+  int scratch = 8;
+  int along = 8;
+  int factor = 8;
+  for (const int e : pointDimensions_) {
+    factor = std::max(factor, detail::pointNumbers(e) * lanes);
+    for (const RowKind& kind : plan_->kinds()) scratch = std::max(scratch, std::max(kind.shape.rows, 2) * e * lanes);
   }
+  for (const RowKind& kind : plan_->kinds()) along = std::max(along, kind.shape.rows * lanes);
+  return {linearizer_->makeWorkspace(), AlignedBuffer(scratch), AlignedBuffer(largestRecord_), AlignedBuffer(along),
+          AlignedBuffer(factor)};
 }
 
 void PointEliminator::chooseKernels() {
@@ -121,64 +121,65 @@ void PointEliminator::layOut(const BlockMatrix& matrix, std::span<const int> pos
     }
     slab.records = AlignedBuffer(tiles_.tileNumbers() + 8);
   }
-  while (workspaces_.size() < slabs_.size() * parts) {
-    Workspace work;
-    work.rows = linearizer_->makeWorkspace();
-    work.scratch = workspaces_.front().scratch;
-    work.nowhere = workspaces_.front().nowhere;
-    work.along = workspaces_.front().along;
-    workspaces_.push_back(std::move(work));
-  }
+  while (workspaces_.size() < slabs_.size() * parts) workspaces_.push_back(makeWorkspace());
+  factors_ = diagonalOnly ? AlignedBuffer(plan_->sumNumbers() + 8) : AlignedBuffer();
 }
 
 int PointEliminator::copies(std::int64_t values) { return values <= smallMatrix ? 4 : values <= middleMatrix ? 2 : 1; }
 
-void PointEliminator::factorize(std::span<const double> damping) {
+void PointEliminator::setDamping(std::span<const double> damping) {
+  damping_ = damping;
+  if (factors_.size() == 0) return;
   const int count = plan_->pointGroups();
   parallelFor(parts, threads_, [&](std::int64_t p) {
-    for (std::int64_t g = p * count / parts; g < (p + 1) * count / parts; ++g)
-      factorGroup(static_cast<int>(g), damping);
+    Workspace& work = workspaces_[static_cast<std::size_t>(p)];
+    for (auto g = static_cast<int>(p * count / parts); g < (p + 1) * count / parts; ++g) {
+      const std::int64_t sums = plan_->groups()[static_cast<std::size_t>(g)].sums;
+      factorGroup(g, damping_, work.scratch.data(), factors_.data() + sums);
+    }
   });
 }
 
-void PointEliminator::factorGroup(int g, std::span<const double> damping) {
+/// Returns a bit for every lane whose point is left out in some direction; `damped` is memory for its damping.
+unsigned PointEliminator::factorGroup(int g, std::span<const double> damping, double* damped, double* factor) const {
   const EliminationPlan::Group& group = plan_->groups()[static_cast<std::size_t>(g)];
-  constexpr int onStack = 16;
-  double small[onStack * lanes];
-  AlignedBuffer large;
-  double* own = small;
-  if (group.dimension > onStack) {
-    large = AlignedBuffer(std::int64_t{group.dimension} * lanes);
-    own = large.data();
-  }
-  std::fill_n(own, group.dimension * lanes, 0.0);
+  std::fill_n(damped, group.dimension * lanes, 0.0);
   for (int lane = 0; lane < lanes && !damping.empty(); ++lane) {
     if ((group.lanes >> lane & 1) == 0) continue;
     const double* from = damping.data() + problem_->offset(group.points[static_cast<std::size_t>(lane)]);
-    for (int j = 0; j < group.dimension; ++j) own[j * lanes + lane] = from[j];
+    for (int j = 0; j < group.dimension; ++j) damped[j * lanes + lane] = from[j];
   }
   double dropped[lanes];
-  set_->factorPoint(group.dimension)(assembler_->sums() + group.sums, own, group.dimension, pivotFloor,
-                                     factors_.data() + group.sums, dropped);
+  set_->factorPoint(group.dimension)(assembler_->sums() + group.sums, damped, group.dimension, pivotFloor, factor,
+                                     dropped);
   unsigned bits = 0;
   for (int lane = 0; lane < lanes; ++lane) bits |= (dropped[lane] > 0.0 ? 1U : 0U) << lane;
-  dropped_[static_cast<std::size_t>(g)] = static_cast<unsigned char>(bits & group.lanes);
+  return bits & group.lanes;
+}
+
+/// The factor of a group: as stored, or made here and now.
+const double* PointEliminator::factorOf(int g, Workspace& work) const {
+  if (factors_.size() > 0) return factors_.data() + plan_->groups()[static_cast<std::size_t>(g)].sums;
+  factorGroup(g, damping_, work.scratch.data(), work.factor.data());
+  return work.factor.data();
 }
 
 std::vector<int> PointEliminator::singularPoints() const {
   std::vector<int> points;
-  for (std::size_t g = 0; g < dropped_.size(); ++g) {
-    for (std::size_t lane = 0; dropped_[g] != 0 && lane < lanes; ++lane) {
-      if (dropped_[g] >> lane & 1) points.push_back(plan_->groups()[g].points[lane]);
+  Workspace work = makeWorkspace();
+  for (int g = 0; g < plan_->pointGroups(); ++g) {
+    const unsigned bits = factorGroup(g, {}, work.scratch.data(), work.factor.data());
+    for (std::size_t lane = 0; bits != 0 && lane < lanes; ++lane) {
+      if (bits >> lane & 1) points.push_back(plan_->groups()[static_cast<std::size_t>(g)].points[lane]);
     }
   }
   std::sort(points.begin(), points.end());
   return points;
 }
 
-bool PointEliminator::reduce(const State& state, std::span<const double> damping, BlockMatrix& matrix,
-                             std::span<double> right, const StopCondition& stop) {
-  startMatrix(damping, matrix, right);
+bool PointEliminator::reduce(const State& state, BlockMatrix& matrix, std::span<double> right,
+                             const StopCondition& stop) {
+  startMatrix(matrix, right);
   std::atomic<bool> stopped{false};
   parallelFor(static_cast<std::int64_t>(slabs_.size()), threads_, [&](std::int64_t s) {
     Slab& slab = slabs_[static_cast<std::size_t>(s)];
@@ -196,7 +197,7 @@ bool PointEliminator::reduce(const State& state, std::span<const double> damping
 }
 
 /// S ← H + D and s ← g of the kept vertices.
-void PointEliminator::startMatrix(std::span<const double> damping, BlockMatrix& matrix, std::span<double> right) {
+void PointEliminator::startMatrix(BlockMatrix& matrix, std::span<double> right) {
   matrix.setZero();
   const BlockMatrix& hessian = assembler_->hessian();
   const BlockPattern& direct = hessian.pattern();
@@ -212,10 +213,10 @@ void PointEliminator::startMatrix(std::span<const double> damping, BlockMatrix& 
         for (int r = 0; r < rows; ++r) to[target % 2 != 0 ? r * columns + c : c * rows + r] = from[c * rows + r];
       }
     }
-    if (damping.empty()) continue;
+    if (damping_.empty()) continue;
     const int block = position_[static_cast<std::size_t>(column)];
     double* diagonal = matrix.block(matrix.pattern().columnBegin(block));
-    const double* own = damping.data() + problem_->offset(plan_->keptVariable(column));
+    const double* own = damping_.data() + problem_->offset(plan_->keptVariable(column));
     for (int c = 0; c < columns; ++c) diagonal[c * (columns + 1)] += own[c];
   }
   std::copy(assembler_->keptGradient().begin(), assembler_->keptGradient().end(), right.begin());
@@ -243,7 +244,7 @@ void PointEliminator::reduceTile(const State& state, int t, int slabIndex, Block
 void PointEliminator::writeRecords(const State& state, int g, Slab& slab, Workspace& work) {
   const EliminationPlan::Group& group = plan_->groups()[static_cast<std::size_t>(g)];
   const int e = group.dimension;
-  const double* factor = factors_.data() + group.sums;
+  const double* factor = factorOf(g, work);
   const double* tau = factor + e * (e + 1) / 2 * lanes;
   for (const TilePlan::SharedRecord& shared : tiles_.sharedRecords(g)) {
     const int k = plan_->keptLayout().dimension(shared.kept);

@@ -28,26 +28,23 @@ class PointEliminator {
   PointEliminator(const Problem& problem, const EliminationPlan& plan, const RowLinearizer& linearizer,
                   const PointAssembler& assembler, int threads);
 
-  /// Lays out S and the lists of products. With `diagonalOnly` S has diagonal blocks alone.
+  /// Lays out S and the lists of products. With `diagonalOnly` S has diagonal blocks alone, and the factors of points
+  /// are stored for multiplyReduced.
   void layOut(const BlockMatrix& matrix, std::span<const int> position, bool diagonalOnly);
 
-  /// Factors V + D of all points; `damping` is in the order of variables, or empty.
-  void factorize(std::span<const double> damping);
-  /// Points left out in at least one direction by the last factorisation, ascending variables.
+  /// Damping of what follows, in the order of variables, or empty; it must stay where it is.
+  void setDamping(std::span<const double> damping);
+  /// Points that V leaves undetermined in at least one direction, ascending variables.
   std::vector<int> singularPoints() const;
 
   /// S and s at the state linearised last. Returns false if stopped.
-  bool reduce(const State& state, std::span<const double> damping, BlockMatrix& matrix, std::span<double> right,
-              const StopCondition& stop);
+  bool reduce(const State& state, BlockMatrix& matrix, std::span<double> right, const StopCondition& stop);
   /// The points' part of delta, from that of the kept vertices.
   void substitute(const State& state, std::span<double> delta);
   /// y = S x without S, for vectors over the kept vertices.
-  void multiplyReduced(const State& state, std::span<const double> damping, std::span<const double> x,
-                       std::span<double> y);
+  void multiplyReduced(const State& state, std::span<const double> x, std::span<double> y);
   /// y = H x for vectors over all variables.
   void multiply(const State& state, std::span<const double> x, std::span<double> y);
-  /// s alone.
-  void reducedRight(const State& state, std::span<double> right);
 
   /// How often S is held, by the number of its values.
   static int copies(std::int64_t values);
@@ -66,7 +63,8 @@ class PointEliminator {
     RowLinearizer::Workspace rows;
     AlignedBuffer scratch;
     AlignedBuffer nowhere;
-    AlignedBuffer along;  // u of the rows of a panel
+    AlignedBuffer along;   // u of a row
+    AlignedBuffer factor;  // of a group's points
   };
   /// A copy of S, or S itself, and the memory of one tile.
   struct Slab {
@@ -76,11 +74,13 @@ class PointEliminator {
     std::vector<double> right;
     AlignedBuffer records;
   };
-  enum class Product { reduced, full, rightOnly };
+  enum class Product { reduced, full };
 
   void chooseKernels();
-  void factorGroup(int group, std::span<const double> damping);
-  void startMatrix(std::span<const double> damping, BlockMatrix& matrix, std::span<double> right);
+  Workspace makeWorkspace() const;
+  unsigned factorGroup(int group, std::span<const double> damping, double* damped, double* factor) const;
+  const double* factorOf(int group, Workspace& work) const;
+  void startMatrix(BlockMatrix& matrix, std::span<double> right);
   void reduceTile(const State& state, int tile, int slabIndex, BlockMatrix& matrix, std::span<double> right);
   void writeRecords(const State& state, int group, Slab& slab, Workspace& work);
   void visitBlocks(std::int64_t begin, std::int64_t end, int e, const double* records, double* values, double* right);
@@ -108,8 +108,9 @@ class PointEliminator {
   std::vector<detail::SubtractPairs> pairKernels_;      // by e's class, row's, column's
   std::vector<detail::SubtractSquares> squareKernels_;  // by e's class, and the vertex's
   std::vector<int> pointDimensions_;
-  AlignedBuffer factors_;
-  std::vector<unsigned char> dropped_;  // by group, a bit a lane
+  std::int64_t largestRecord_ = 8;
+  std::span<const double> damping_;
+  AlignedBuffer factors_;  // of all points, at Group::sums; empty if they are made where they are needed
   std::vector<Slab> slabs_;
   std::vector<Workspace> workspaces_;
   std::vector<std::int64_t> padded_;  // of each kept vertex: its place in padded vectors

@@ -53,6 +53,7 @@ void PointEliminator::alongRow(int r, int panelRow, const Panel& panel, double* 
 void PointEliminator::substituteGroup(const State& state, int g, std::span<double> delta, Workspace& work) {
   const EliminationPlan::Group& group = plan_->groups()[static_cast<std::size_t>(g)];
   const int e = group.dimension;
+  const double* factor = factorOf(g, work);
   double* t = work.scratch.data();
   std::copy_n(assembler_->sums() + group.sums + e * (e + 1) / 2 * lanes, e * lanes, t);
   for (int begin = group.rowBegin; begin < group.rowEnd && plan_->kept() > 0;) {
@@ -68,7 +69,7 @@ void PointEliminator::substituteGroup(const State& state, int g, std::span<doubl
     }
     begin = end;
   }
-  set_->solvePoint(e)(factors_.data() + group.sums, e, t);
+  set_->solvePoint(e)(factor, e, t);
   for (int lane = 0; lane < lanes; ++lane) {
     if ((group.lanes >> lane & 1) == 0) continue;
     double* out = delta.data() + problem_->offset(group.points[static_cast<std::size_t>(lane)]);
@@ -96,7 +97,6 @@ void PointEliminator::scatterRow(int r, int panelRow, const Panel& panel, const 
 /// What a group adds to a product. With t = Σ Jₑᵀ Jₖ x over its rows:
 ///   reduced    out += Σ Jₖᵀ Jₑ (V + D)⁻¹ t
 ///   full       y = t + V x for the points, out += Σ Jₖᵀ Jₑ x
-///   rightOnly  out += Σ Jₖᵀ Jₑ (V + D)⁻¹ g
 void PointEliminator::productGroup(const State& state, int g, Product what, std::span<const double> x,
                                    std::span<double> y, double* out, Workspace& work) {
   const EliminationPlan::Group& group = plan_->groups()[static_cast<std::size_t>(g)];
@@ -104,7 +104,6 @@ void PointEliminator::productGroup(const State& state, int g, Product what, std:
   double* t = work.scratch.data();
   double* p = t + e * lanes;  // what Jₑ is multiplied with
   const double* V = assembler_->sums() + group.sums;
-  const double* right = V + e * (e + 1) / 2 * lanes;
   std::fill_n(t, e * lanes, 0.0);
   std::fill_n(p, e * lanes, 0.0);
   if (what == Product::full) {
@@ -120,7 +119,6 @@ void PointEliminator::productGroup(const State& state, int g, Product what, std:
       }
     }
   }
-  if (what == Product::rightOnly) std::copy_n(right, e * lanes, p);
   const auto forEachRun = [&](bool gather, bool scatter) {
     for (int begin = group.rowBegin; begin < group.rowEnd;) {
       const int end = linearizer_->runEnd(begin, group.rowEnd);
@@ -153,8 +151,8 @@ void PointEliminator::productGroup(const State& state, int g, Product what, std:
   if (what == Product::reduced) {
     forEachRun(true, false);
     std::copy_n(t, e * lanes, p);
+    set_->solvePoint(e)(factors_.data() + group.sums, e, p);
   }
-  if (what != Product::full) set_->solvePoint(e)(factors_.data() + group.sums, e, p);
   forEachRun(what == Product::full, true);
   for (int lane = 0; what == Product::full && lane < lanes; ++lane) {
     if ((group.lanes >> lane & 1) == 0) continue;
@@ -182,30 +180,17 @@ void PointEliminator::productPass(const State& state, Product what, std::span<co
 }
 
 /// y = H x over the kept vertices.
-void PointEliminator::multiplyReduced(const State& state, std::span<const double> damping, std::span<const double> x,
-                                      std::span<double> y) {
+void PointEliminator::multiplyReduced(const State& state, std::span<const double> x, std::span<double> y) {
   padKept(x, false);
   productPass(state, Product::reduced, {}, {});
   assembler_->hessian().multiply(x, y);
   for (int k = 0; k < plan_->kept(); ++k) {
     const auto offset = static_cast<std::size_t>(plan_->keptLayout().offset(k));
     const double* sum = paddedOut_.front().data() + padded_[static_cast<std::size_t>(k)];
-    const double* own = damping.empty() ? nullptr : damping.data() + problem_->offset(plan_->keptVariable(k));
+    const double* own = damping_.empty() ? nullptr : damping_.data() + problem_->offset(plan_->keptVariable(k));
     for (int c = 0; c < plan_->keptLayout().dimension(k); ++c) {
       const auto at = offset + static_cast<std::size_t>(c);
       y[at] += (own ? own[c] * x[at] : 0.0) - sum[c];
-    }
-  }
-}
-
-void PointEliminator::reducedRight(const State& state, std::span<double> right) {
-  productPass(state, Product::rightOnly, {}, {});
-  for (int k = 0; k < plan_->kept(); ++k) {
-    const auto offset = static_cast<std::size_t>(plan_->keptLayout().offset(k));
-    const double* sum = paddedOut_.front().data() + padded_[static_cast<std::size_t>(k)];
-    for (int c = 0; c < plan_->keptLayout().dimension(k); ++c) {
-      const auto at = offset + static_cast<std::size_t>(c);
-      right[at] = assembler_->keptGradient()[at] - sum[c];
     }
   }
 }

@@ -26,6 +26,8 @@ constexpr double secondsPerBlock = 4e-8;
 constexpr double secondsPerRow = 2.5e-7;
 /// Products that conjugate gradients take for a step as good as an exact one.
 constexpr double expectedIterations = 150.0;
+/// Exactness of such a step, if the system chose conjugate gradients itself.
+constexpr double stepTolerance = 1e-3;
 
 /// Whether products through the edges beat those with S: where S has more blocks than there are rows of edges to
 /// linearise anew for each.
@@ -122,7 +124,7 @@ void SchurSystem::chooseSolver(const BlockPattern& pattern, const Options& optio
                                   static_cast<double>(elimination_.rows().size()) * secondsPerRow);
   const double iterative = expectedIterations * product;
   if (direct > iterative) {
-    solver_ = makePcgSolver({options.linearTolerance, options.maxLinearIterations, true});
+    solver_ = makePcgSolver({stepTolerance, options.maxLinearIterations, false});
     plan_.linearSolverReason = fmt::format("{}: a factorisation would take {:.3g} operations", what, size.flops);
   } else {
     plan_.linearSolverReason = what + ": sparse block Cholesky";
@@ -130,7 +132,7 @@ void SchurSystem::chooseSolver(const BlockPattern& pattern, const Options& optio
 }
 
 std::int64_t SchurSystem::predictBytes() const {
-  std::int64_t bytes = elimination_.bytes() + 2 * elimination_.sumNumbers() * 8;
+  std::int64_t bytes = elimination_.bytes() + (implicit_ ? 2 : 1) * elimination_.sumNumbers() * 8;
   if (elimination_.kept() == 0) return bytes;
   bytes += static_cast<std::int64_t>(neighbours_.kept.size()) * 2;  // places
   if (!implicit_) {
@@ -175,7 +177,6 @@ CostTotals SchurSystem::linearize(const State& state) {
   Stopwatch watch;
   assembler_.scatter(gradient_, diagonal_);
   if (!surveyed_) {
-    eliminator_.factorize({});
     nameSingular();
     surveyed_ = true;
   }
@@ -192,11 +193,11 @@ void SchurSystem::nameSingular() {
 
 LinearOutcome SchurSystem::solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) {
   Stopwatch watch;
-  eliminator_.factorize(damping);
+  eliminator_.setDamping(damping);
   seconds_.eliminate += watch.lap();
   LinearOutcome outcome;
   if (elimination_.kept() > 0) {
-    outcome = solveReduced(damping, delta, stop);
+    outcome = solveReduced(delta, stop);
     // The best iterate of conjugate gradients is a step to try all the same.
     if (!outcome.ok() && outcome.kind != LinearOutcome::Kind::notConverged) return outcome;
   }
@@ -206,10 +207,9 @@ LinearOutcome SchurSystem::solve(std::span<const double> damping, std::span<doub
   return outcome;
 }
 
-LinearOutcome SchurSystem::solveReduced(std::span<const double> damping, std::span<double> delta,
-                                        const StopCondition& stop) {
+LinearOutcome SchurSystem::solveReduced(std::span<double> delta, const StopCondition& stop) {
   Stopwatch watch;
-  if (!eliminator_.reduce(*state_, damping, matrix_, right_, stop)) return {.kind = LinearOutcome::Kind::interrupted};
+  if (!eliminator_.reduce(*state_, matrix_, right_, stop)) return {.kind = LinearOutcome::Kind::interrupted};
   seconds_.eliminate += watch.lap();
   SolverStatus status = solver_->factorize(matrix_, {}, stop);
   seconds_.factorize += watch.lap();
@@ -218,8 +218,7 @@ LinearOutcome SchurSystem::solveReduced(std::span<const double> damping, std::sp
   if (implicit_) {
     outcome = conjugate_.solve(
         right_, [&](std::span<double> x) { return applyFactor(x); },
-        [&](std::span<const double> x, std::span<double> y) { eliminator_.multiplyReduced(*state_, damping, x, y); },
-        stop);
+        [&](std::span<const double> x, std::span<double> y) { eliminator_.multiplyReduced(*state_, x, y); }, stop);
   } else {
     status = applyFactor(right_);
     outcome = outcomeOf(status);

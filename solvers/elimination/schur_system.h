@@ -41,7 +41,7 @@ class SchurSystem final : public LinearSystem {
   void chooseSolver(const BlockPattern& pattern, const Options& options);
   std::int64_t predictBytes() const;
   void layOut(int threads);
-  LinearOutcome solveReduced(std::span<const double> damping, std::span<double> delta, const StopCondition& stop);
+  LinearOutcome solveReduced(std::span<double> delta, const StopCondition& stop);
   SolverStatus applyFactor(std::span<double> x);
   LinearOutcome outcomeOf(const SolverStatus& status) const;
   void nameSingular();

@@ -214,6 +214,10 @@ TilePlan::TilePlan(const EliminationPlan& plan, const BlockMatrix& matrix, std::
                    bool diagonalOnly) {
   const BlockPattern& pattern = matrix.pattern();
   Builder(*this, plan, pattern, position, diagonalOnly).build();
+  tiles_.shrink_to_fit();
+  blocks_.shrink_to_fit();
+  pairs_.shrink_to_fit();
+  shared_.shrink_to_fit();
   std::vector<int> keptAt(position.size());
   for (std::size_t kept = 0; kept < position.size(); ++kept)
     keptAt[static_cast<std::size_t>(position[kept])] = static_cast<int>(kept);

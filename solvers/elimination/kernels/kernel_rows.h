@@ -30,41 +30,46 @@ QUIVER_INLINE int lowerEntry(int e, int row, int column) {
   return column * e - column * (column - 1) / 2 + row - column;
 }
 
+/// 1/√pivot where the pivot is sound, else 0, and then adds 1 to `dropped`.
+QUIVER_INLINE Eight reciprocalRoot(const Eight& pivot, const Eight& diagonal, double floor, double* dropped) {
+  double numbers[8];
+  double least[8];
+  double inverse[8];
+  storeEight(numbers, pivot);
+  storeEight(least, diagonal);
+  for (int lane = 0; lane < 8; ++lane) {
+    const bool sound = numbers[lane] > floor * least[lane] && numbers[lane] <= 1.7976931348623157e308;
+    inverse[lane] = sound ? 1.0 / __builtin_sqrt(numbers[lane]) : 0.0;
+    dropped[lane] += sound ? 0.0 : 1.0;
+  }
+  return loadEight(inverse);
+}
+
 template <int E>
 void factorPoint(const double* sums, const double* damping, int givenE, double floor, double* factor, double* dropped) {
   const int e = sizeOf<E>(givenE);
-  for (int lane = 0; lane < 8; ++lane) dropped[lane] = 0.0;
-  for (int j = 0, at = 0; j < e; ++j) {
+  double lost[8] = {};
+  for (int j = 0; j < e; ++j) {
     double* column = factor + lowerEntry(e, j, j) * 8;
-    for (int i = j; i < e; ++i, ++at) {
-      for (int lane = 0; lane < 8; ++lane) {
-        double sum = sums[at * 8 + lane] + (i == j ? damping[j * 8 + lane] : 0.0);
-        for (int m = 0; m < j; ++m)
-          sum -= factor[lowerEntry(e, i, m) * 8 + lane] * factor[lowerEntry(e, j, m) * 8 + lane];
-        column[(i - j) * 8 + lane] = sum;
-      }
+    const Eight diagonal = plus(loadEight(sums + lowerEntry(e, j, j) * 8), loadEight(damping + j * 8));
+    Eight inverse{};
+    for (int i = j; i < e; ++i) {
+      Eight sum = i == j ? diagonal : loadEight(sums + lowerEntry(e, i, j) * 8);
+      for (int m = 0; m < j; ++m)
+        sum =
+            minusProduct(sum, loadEight(factor + lowerEntry(e, i, m) * 8), loadEight(factor + lowerEntry(e, j, m) * 8));
+      if (i == j) inverse = reciprocalRoot(sum, diagonal, floor, lost);
+      storeEight(column + (i - j) * 8, i == j ? inverse : times(sum, inverse));
     }
-    double inverse[8];
-    for (int lane = 0; lane < 8; ++lane) {
-      const double diagonal = sums[(at - (e - j)) * 8 + lane] + damping[j * 8 + lane];
-      const double pivot = column[lane];
-      const bool sound = pivot > floor * diagonal && pivot <= 1.7976931348623157e308;
-      inverse[lane] = sound ? 1.0 / __builtin_sqrt(pivot) : 0.0;
-      dropped[lane] += sound ? 0.0 : 1.0;
-    }
-    for (int i = j + 1; i < e; ++i) {
-      for (int lane = 0; lane < 8; ++lane) column[(i - j) * 8 + lane] *= inverse[lane];
-    }
-    for (int lane = 0; lane < 8; ++lane) column[lane] = inverse[lane];
   }
+  for (int lane = 0; lane < 8; ++lane) dropped[lane] = lost[lane];
   const double* g = sums + e * (e + 1) / 2 * 8;
   double* tau = factor + e * (e + 1) / 2 * 8;
   for (int j = 0; j < e; ++j) {
-    for (int lane = 0; lane < 8; ++lane) {
-      double sum = g[j * 8 + lane];
-      for (int m = 0; m < j; ++m) sum -= factor[lowerEntry(e, j, m) * 8 + lane] * tau[m * 8 + lane];
-      tau[j * 8 + lane] = sum * factor[lowerEntry(e, j, j) * 8 + lane];
-    }
+    Eight sum = loadEight(g + j * 8);
+    for (int m = 0; m < j; ++m)
+      sum = minusProduct(sum, loadEight(factor + lowerEntry(e, j, m) * 8), loadEight(tau + m * 8));
+    storeEight(tau + j * 8, times(sum, loadEight(factor + lowerEntry(e, j, j) * 8)));
   }
 }
 
