@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
 
 namespace quiver {
 namespace {
@@ -23,17 +24,57 @@ int compareRanges(const Range& a, const Range& b) {
   return std::lexicographical_compare(b.begin(), b.end(), a.begin(), a.end()) ? 1 : 0;
 }
 
-bool contentLess(const Graph& graph, const Edge& a, const Edge& b) {
-  const EdgeType& type = graph.typeOf(a);
-  if (const int order = compareRanges(a.parameterIds(), b.parameterIds())) return order < 0;
-  if (const int order = compareRanges(type.information(a), type.information(b))) return order < 0;
-  NumberCollector first;
-  NumberCollector second;
-  type.write(a, first);
-  type.write(b, second);
-  if (const int order = compareRanges(first.numbers, second.numbers)) return order < 0;
-  if (a.robustKernel().name() != b.robustKernel().name()) return a.robustKernel().name() < b.robustKernel().name();
-  return a.robustKernel().width() < b.robustKernel().width();
+/// An edge and its first two vertices, so that most comparisons do not reach for the edge.
+struct EdgeIds {
+  std::int64_t first = 0;
+  std::int64_t second = 0;
+  const Edge* edge = nullptr;
+
+  bool operator<(const EdgeIds& other) const {
+    if (first != other.first) return first < other.first;
+    if (second != other.second) return second < other.second;
+    return (edge->arity() > 2 || other.edge->arity() > 2) &&
+           compareRanges(edge->vertexIds(), other.edge->vertexIds()) < 0;
+  }
+};
+
+/// An edge and the numbers of its line, kept in a common buffer; the first of them here, since it mostly decides.
+struct EdgeContent {
+  double first = 0.0;
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  const Edge* edge = nullptr;
+};
+
+/// Sorts edges of one type and the same vertices by what they measure. The lines are written once an edge, not once a
+/// comparison. O(edges log edges).
+void sortByContent(const Graph& graph, std::span<const Edge*> edges) {
+  NumberCollector lines;
+  std::vector<EdgeContent> contents;
+  contents.reserve(edges.size());
+  for (const Edge* edge : edges) {
+    const EdgeType& type = graph.typeOf(*edge);
+    const std::size_t begin = lines.numbers.size();
+    type.write(*edge, lines);
+    type.writeTail(*edge, lines);
+    const std::size_t end = lines.numbers.size();
+    contents.push_back({begin < end ? lines.numbers[begin] : 0.0, begin, end, edge});
+  }
+  const auto numbers = [&](const EdgeContent& content) {
+    return std::span(lines.numbers).subspan(content.begin, content.end - content.begin);
+  };
+  const auto less = [&](const EdgeContent& a, const EdgeContent& b) {
+    if (a.first != b.first) return a.first < b.first;
+    if (const int order = compareRanges(numbers(a), numbers(b))) return order < 0;
+    if (const int order = compareRanges(a.edge->parameterIds(), b.edge->parameterIds())) return order < 0;
+    const EdgeType& type = graph.typeOf(*a.edge);
+    if (const int order = compareRanges(type.information(*a.edge), type.information(*b.edge))) return order < 0;
+    const RobustKernel &first = a.edge->robustKernel(), &second = b.edge->robustKernel();
+    if (first.name() != second.name()) return first.name() < second.name();
+    return first.width() < second.width();
+  };
+  std::stable_sort(contents.begin(), contents.end(), less);
+  std::transform(contents.begin(), contents.end(), edges.begin(), [](const EdgeContent& c) { return c.edge; });
 }
 
 }  // namespace
@@ -57,11 +98,18 @@ void sortVertices(const Graph& graph, std::vector<Vertex*>& vertices) {
 }
 
 void sortEdges(const Graph& graph, std::vector<const Edge*>& edges) {
-  const auto less = [&](const Edge* a, const Edge* b) {
-    const int order = compareRanges(a->vertexIds(), b->vertexIds());
-    return order != 0 ? order < 0 : (a != b && contentLess(graph, *a, *b));
-  };
-  if (!std::is_sorted(edges.begin(), edges.end(), less)) std::stable_sort(edges.begin(), edges.end(), less);
+  std::vector<EdgeIds> keys;
+  keys.reserve(edges.size());
+  for (const Edge* edge : edges) {
+    const auto ids = edge->vertexIds();
+    keys.push_back({ids[0], ids.size() > 1 ? ids[1] : -1, edge});
+  }
+  if (!std::is_sorted(keys.begin(), keys.end())) std::stable_sort(keys.begin(), keys.end());
+  for (std::size_t i = 0; i < keys.size(); ++i) edges[i] = keys[i].edge;
+  for (std::size_t begin = 0, end = 1; begin < edges.size(); begin = end++) {
+    while (end < edges.size() && !(keys[begin] < keys[end])) ++end;
+    if (end - begin > 1) sortByContent(graph, std::span(edges).subspan(begin, end - begin));
+  }
 }
 
 std::vector<int> edgeTypeOrder(const Registry& registry) {
