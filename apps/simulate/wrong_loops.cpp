@@ -33,7 +33,8 @@ struct PoseEdges {
     std::vector<const E*> loops;
     graph.forEachEdge([&](const Edge& edge) {
       if (&graph.typeOf(edge) != type) return;
-      const auto [low, high] = std::minmax(edge.vertexId(0), edge.vertexId(1));
+      const std::int64_t low = std::min(edge.vertexId(0), edge.vertexId(1));
+      const std::int64_t high = std::max(edge.vertexId(0), edge.vertexId(1));
       joined.emplace(low, high);
       ids.insert({low, high});
       if (high - low != 1) loops.push_back(static_cast<const E*>(&edge));

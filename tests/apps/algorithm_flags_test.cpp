@@ -1,0 +1,106 @@
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "tests/apps/command_runner.h"
+
+namespace quiver::test {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+class AlgorithmFlags : public CommandTest {};
+
+TEST_F(AlgorithmFlags, EverySolverNameOfG2oSetsAlgorithmAndSolver) {
+  write("square.g2o", square);
+  const double best = optimize("square.g2o --quiet")["final_chi2"];
+  struct Expected {
+    const char* name;
+    const char* algorithm;
+    const char* solver;
+  };
+  for (const auto& [name, algorithm, solver] : {Expected{"gn_var", "gn", "block"},
+                                                {"lm_var", "lm", "block"},
+                                                {"dl_var", "dogleg", "block"},
+                                                {"lm_fix6_3_csparse", "lm", "block"},
+                                                {"gn_dense", "gn", "dense"},
+                                                {"lm_dense6_3", "lm", "dense"},
+                                                {"lm_pcg", "lm", "pcg"},
+                                                {"gn_pcg3_2", "gn", "pcg"},
+                                                {"2dlinear", "gn", "block"}}) {
+    const Json report = optimize(fmt::format("square.g2o --quiet --algorithm {}", name));
+    EXPECT_EQ(report["algorithm"], algorithm) << name;
+    EXPECT_EQ(report["linear_solver"], solver) << name;
+    EXPECT_NEAR(report["final_chi2"].get<double>(), best, 1e-7 * best) << name;
+  }
+}
+
+TEST_F(AlgorithmFlags, NamesThatContradictOrDoNotExistAreRefused) {
+  write("square.g2o", square);
+  EXPECT_EQ(run("optimize square.g2o --algorithm lm_var --solver dense").exitCode, 2);
+  const CommandResult unknown = run("optimize square.g2o --algorithm lm_vra");
+  EXPECT_EQ(unknown.exitCode, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("did you mean 'lm_var'"));
+  EXPECT_EQ(run("optimize square.g2o --algorithm structure_only_3").exitCode, 0);
+  EXPECT_EQ(run("optimize square.g2o --algorithm structure_only_2").exitCode, 3) << "nothing has two dimensions";
+}
+
+TEST_F(AlgorithmFlags, PcgReportsItsIterations) {
+  EXPECT_EQ(run("simulate sphere -o sphere.g2o --laps 10 --nodes-per-lap 20").exitCode, 0);
+  const Json direct = optimize("sphere.g2o --quiet --solver block");
+  const Json iterative = optimize("sphere.g2o --quiet --solver pcg");
+  EXPECT_EQ(iterative["status"], "converged");
+  EXPECT_NEAR(iterative["final_chi2"].get<double>(), direct["final_chi2"].get<double>(),
+              1e-6 * direct["final_chi2"].get<double>());
+  EXPECT_GT(iterative["iterations"][0]["linear_iterations"].get<int>(), 1);
+  EXPECT_EQ(direct["iterations"][0]["linear_iterations"], 0);
+}
+
+/// One pose with a unary measurement far off beside a good one: the cost tells the kernel and its width.
+constexpr const char* pair =
+    "VERTEX_SE2 0 0 0 0\nFIX 0\nVERTEX_SE2 1 0 0 0\nVERTEX_SE2 2 0 0 0\n"
+    "EDGE_SE2 0 1 3 0 0 1 0 0 1 0 1\nEDGE_SE2 0 2 4 0 0 1 0 0 1 0 1\n";
+
+TEST_F(AlgorithmFlags, WidthsFollowFromAProbability) {
+  write("pair.g2o", pair);
+  const double squared = 7.814727903251179;  // 95 % of a squared error of three dimensions
+  const double width = std::sqrt(squared);
+  EXPECT_NEAR(
+      optimize("pair.g2o --quiet --init file --iterations 0 --robust huber:p0.95")["initial_cost"].get<double>(),
+      2.0 * width * 3.0 - squared + 2.0 * width * 4.0 - squared, 1e-9);
+  EXPECT_NEAR(
+      optimize("pair.g2o --quiet --init file --iterations 0 --robust gemanmcclure:p0.95")["initial_cost"].get<double>(),
+      9.0 * squared / (squared + 9.0) + 16.0 * squared / (squared + 16.0), 1e-9);
+  for (const char* wrong : {"huber:p", "huber:p0", "huber:p1", "huber:p1.5", "huber:px", "huber:p0.9:2"})
+    EXPECT_EQ(run(fmt::format("optimize pair.g2o --robust {}", wrong)).exitCode, 2) << wrong;
+}
+
+TEST_F(AlgorithmFlags, KernelsGoOnTheEdgesChosen) {
+  write("pair.g2o", pair);
+  const auto cost = [&](const std::string& flags) {
+    return optimize("pair.g2o --quiet --init file --iterations 0 --robust huber:1 " + flags)["initial_cost"]
+        .get<double>();
+  };
+  EXPECT_NEAR(cost(""), (6.0 - 1.0) + (8.0 - 1.0), 1e-12);
+  EXPECT_NEAR(cost("--robust-edges all"), (6.0 - 1.0) + (8.0 - 1.0), 1e-12);
+  EXPECT_NEAR(cost("--robust-edges loops"), 9.0 + (8.0 - 1.0), 1e-12) << "0-1 is odometry, 0-2 is not";
+  EXPECT_NEAR(cost("--robust-edges EDGE_SE2"), (6.0 - 1.0) + (8.0 - 1.0), 1e-12);
+  EXPECT_NEAR(cost("--robust-edges EDGE_SE2_XY,EDGE_PRIOR_SE2"), 25.0, 1e-12);
+  EXPECT_EQ(run("optimize pair.g2o --robust huber --robust-edges EDGE_SE").exitCode, 2);
+  EXPECT_EQ(run("optimize pair.g2o --robust huber --robust-edges loops,EDGE_SE2").exitCode, 2);
+  EXPECT_EQ(run("optimize pair.g2o --robust-edges loops").exitCode, 2) << "no kernel is named";
+}
+
+TEST_F(AlgorithmFlags, BothCorrectionsReachOneOptimum) {
+  write("square.g2o", square);
+  const Json first = optimize("square.g2o --quiet --robust cauchy:0.5");
+  const Json second = optimize("square.g2o --quiet --robust cauchy:0.5 --robust-correction second");
+  EXPECT_NEAR(first["final_cost"].get<double>(), second["final_cost"].get<double>(),
+              1e-7 * first["final_cost"].get<double>());
+  EXPECT_EQ(run("optimize square.g2o --robust-correction third").exitCode, 2);
+}
+
+}  // namespace
+}  // namespace quiver::test
