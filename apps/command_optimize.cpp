@@ -1,4 +1,5 @@
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <optional>
 
@@ -31,7 +32,10 @@ class Run {
 
   int run() {
     checkOutputs({flags_.output, flags_.json});
+    tellOfReading();
     LoadedGraph loaded = loadGraph(flags_.source);
+    long_ = long_ || loaded.graph.vertexCount() + loaded.graph.edgeCount() > longElements;
+    if (interrupt_.token().stop_requested()) return stoppedEarly("reading");
     report_.loadSeconds = loaded.seconds;
     checkOutputFormat(flags_.output, loaded.graph);
     const Registry& registry = *loaded.graph.registry();
@@ -41,6 +45,9 @@ class Run {
     try {
       optimizeGraph(loaded.graph);
     } catch (const GraphError& error) {
+      // An initial guess that could not be finished leaves nothing to save.
+      if (StopCondition(flags_.timeLimit - whole_.seconds(), interrupt_.token()).reached())
+        return stoppedEarly("making the initial guess");
       throw GraphError(fmt::format("{}: {}", displayName(flags_.source.path), error.what()));
     }
     save(loaded);
@@ -58,6 +65,21 @@ class Run {
   }
   void say(const std::string& sentence) const {
     if (stream()) fmt::print(stream(), "{}\n", sentence);
+  }
+
+  /// Phases of long work are told of on standard error as they begin.
+  void tellPhase(std::string_view phase) const {
+    if (long_ && !flags_.quiet) fmt::print(stderr, "[{:7.1f} s] {}\n", whole_.seconds(), phase);
+  }
+  void tellOfReading() {
+    std::error_code error;
+    const std::uintmax_t bytes = std::filesystem::file_size(flags_.source.path, error);
+    long_ = !error && bytes > longBytes;
+    tellPhase(fmt::format("reading {} ({} MB)", flags_.source.path, error ? 0 : bytes / 1000000));
+  }
+  int stoppedEarly(const char* doing) const {
+    fmt::print(stderr, "{}: stopped while {}; nothing is written\n", displayName(flags_.source.path), doing);
+    return exitInterrupted;
   }
 
   void chooseRobustness(const Registry& registry) {
@@ -98,6 +120,9 @@ class Run {
     restrictDimension(graph, options);
     Progress progress(stream());
     options.callback = [&progress](const IterationReport& iteration) { progress.iteration(iteration); };
+    options.phase = [this](std::string_view phase) { tellPhase(phase); };
+    options.timeLimit = std::max(0.0, flags_.timeLimit - whole_.seconds());
+    tellPhase(fmt::format("initial guess for {} vertices and {} edges", graph.vertexCount(), graph.edgeCount()));
     Stopwatch watch;
     const bool complete = verticesWithoutEstimate(graph) == 0;
     report_.fileChi2 = std::numeric_limits<double>::quiet_NaN();
@@ -117,13 +142,19 @@ class Run {
 
   void save(const LoadedGraph& loaded) {
     Stopwatch watch;
+    if (!flags_.output.empty()) tellPhase(fmt::format("saving {}", flags_.output));
     if (!flags_.output.empty()) saveGraph(flags_.output, loaded.graph, flags_.source.threads);
     report_.saveSeconds = watch.seconds();
     report_.totalSeconds = whole_.seconds();
     if (!flags_.json.empty()) saveJson(flags_.json, describeRun(report_, describeInput(flags_.source, loaded)));
   }
 
+  /// Above these, work takes seconds.
+  static constexpr std::uintmax_t longBytes = 30'000'000;
+  static constexpr std::int64_t longElements = 300'000;
+
   OptimizeFlags flags_;
+  bool long_ = false;
   Stopwatch whole_;
   Interrupt interrupt_;
   OptimizeReport report_;

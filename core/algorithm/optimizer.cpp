@@ -79,14 +79,24 @@ std::string describeExcess(std::int64_t bytes, const Options& options) {
                      options.memoryLimit);
 }
 
+bool hasRobustKernel(const Problem& problem) {
+  for (int b = 0; b < problem.batches(); ++b) {
+    for (int i = 0; i < problem.batch(b).size(); ++i) {
+      if (problem.batch(b).edge(i).robustKernel()) return true;
+    }
+  }
+  return false;
+}
+
 /// What is run and why. Full steps need neither a damped gauge nor the damping that keeps eliminated landmarks in
-/// place.
-Algorithm chooseAlgorithm(Algorithm asked, const GaugeReport& gauge, SolvePlan& plan) {
+/// place; with robust kernels they leave the basin of the start, where outliers look like any other minimum.
+Algorithm chooseAlgorithm(Algorithm asked, bool robust, const GaugeReport& gauge, SolvePlan& plan) {
   Algorithm chosen = asked;
   plan.algorithmReason = "as asked";
   if (asked == Algorithm::automatic) {
-    if (plan.eliminated > 0 || gauge.free > 0) chosen = Algorithm::levenbergMarquardt;
+    if (plan.eliminated > 0 || gauge.free > 0 || robust) chosen = Algorithm::levenbergMarquardt;
     plan.algorithmReason = plan.eliminated > 0 ? "vertices are eliminated"
+                           : robust            ? "edges have robust kernels"
                            : gauge.free > 0    ? "the gauge is free"
                                                : "full steps while they lower the cost";
   }
@@ -139,10 +149,11 @@ struct Optimizer::Compiled {
     announce(options, "compiling the problem");
     problem = std::make_unique<Problem>(graph, ProblemScope{options.level, options.free, threads});
     if (problem->variables() > 0) {
-      // Eliminating makes the algorithm a damped one, which leaves the gauge free.
-      const bool eliminates =
-          algorithm == Algorithm::automatic && makeSystem(*graph.registry(), options)->eliminates(*problem, options);
-      settleGauge(*problem, options, eliminates ? Algorithm::levenbergMarquardt : algorithm, gauge);
+      // Eliminating or robust kernels make the algorithm a damped one, which leaves the gauge free.
+      const bool damped =
+          algorithm == Algorithm::automatic &&
+          (hasRobustKernel(*problem) || makeSystem(*graph.registry(), options)->eliminates(*problem, options));
+      settleGauge(*problem, options, damped ? Algorithm::levenbergMarquardt : algorithm, gauge);
     }
     key = newKey;
   }
@@ -198,7 +209,7 @@ Summary Optimizer::optimize(Graph& graph) {
       compiled_->system.reset();
       return summary;
     }
-    const Algorithm chosen = chooseAlgorithm(algorithm, summary.gauge, summary.plan);
+    const Algorithm chosen = chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
     summary.seconds.analyze = watch.lap();
     announce(options_, "optimising");
     Descent descent(problem, *compiled_->system, options_, stop, summary);
