@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <quiver/apps/commands.h>
+#include <quiver/apps/optimize/solver_names.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/output.h>
 #include <quiver/version.h>
@@ -95,6 +96,13 @@ Json describeRegistry(const Registry& registry) {
                                       {"documentation", kernel->documentation},
                                       {"shape", kernel->hasShape ? Json(kernel->defaultShape) : Json(nullptr)}});
   }
+  json["solver_names"] = Json::array();
+  for (const SolverName& entry : solverNames()) {
+    json["solver_names"].push_back({{"name", entry.name},
+                                    {"algorithm", entry.algorithm},
+                                    {"solver", entry.solver},
+                                    {"documentation", fmt::format("{} with {}", entry.algorithm, entry.solver)}});
+  }
   return json;
 }
 
@@ -146,10 +154,11 @@ void printRegistry(const Json& json) {
     fmt::print("  {:<28} {}\n", entry["name"].get<std::string>(), entry["documentation"].get<std::string>());
   for (const auto& [key, title] :
        {std::pair("linear_solvers", "linear solvers (--solver)"), std::pair("initializers", "initial guesses (--init)"),
-        std::pair("robust_kernels", "robust kernels (--robust)")}) {
+        std::pair("robust_kernels", "robust kernels (--robust)"),
+        std::pair("solver_names", "g2o's solver names (--algorithm)")}) {
     fmt::print("{}\n", title);
     for (const Json& entry : json[key])
-      fmt::print("  {:<12} {}\n", entry["name"].get<std::string>(), entry["documentation"].get<std::string>());
+      fmt::print("  {:<20} {}\n", entry["name"].get<std::string>(), entry["documentation"].get<std::string>());
   }
 }
 

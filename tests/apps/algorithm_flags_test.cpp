@@ -37,6 +37,26 @@ TEST_F(AlgorithmFlags, EverySolverNameOfG2oSetsAlgorithmAndSolver) {
   }
 }
 
+TEST_F(AlgorithmFlags, ListShowsTheNames) {
+  EXPECT_THAT(run("list").out, HasSubstr("lm_var_cholmod       lm with cholmod"));
+  EXPECT_EQ(run("list --json list.json").exitCode, 0);
+  const Json names = Json::parse(read("list.json"))["solver_names"];
+  // Nine names each of Eigen, CHOLMOD and CSparse, eight each of dense and PCG, three more.
+  EXPECT_EQ(names.size(), 46u);
+}
+
+TEST_F(AlgorithmFlags, StopsEarlyInLongWork) {
+  std::string text;
+  for (int i = 0; i < 400000; ++i) text += fmt::format("EDGE_SE2 {} {} 1 0 0.1 100 0 0 100 0 400\n", i, i + 1);
+  write("long.g2o", text);
+  // The signal comes early in whatever takes longest: reading, the initial guess, or the descent.
+  const CommandResult result = run("optimize long.g2o -o out.g2o & sleep 0.3; kill -INT $!; wait $!");
+  EXPECT_EQ(result.exitCode, 5) << result.out << result.err;
+  const CommandResult twice = run("optimize long.g2o -o out.g2o & sleep 0.3; kill -INT $!; kill -INT $!; wait $!");
+  // Both may arrive before the handler has seen the first; then they count as one.
+  EXPECT_TRUE(twice.exitCode == 130 || twice.exitCode == 5) << twice.exitCode;
+}
+
 TEST_F(AlgorithmFlags, NamesThatContradictOrDoNotExistAreRefused) {
   write("square.g2o", square);
   EXPECT_EQ(run("optimize square.g2o --algorithm lm_var --solver dense").exitCode, 2);
