@@ -6,9 +6,9 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <random>
 
-#include <quiver/apps/simulate/bundle.h>
 #include <quiver/quiver.h>
 #include <quiver/types_sba/expmap/edge_se3_project_xyz.h>
 #include <quiver/types_sba/models/edge_project.h>
@@ -250,17 +250,22 @@ double peakMemory() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
-void measureLarge(bench::JsonRows& json) {
+/// The command beside this program simulates the problem.
+void measureLarge(const std::filesystem::path& program, bench::JsonRows& json) {
   const char* const asked = std::getenv("QUIVER_BENCH_POINTS");
   const std::int64_t points = asked ? std::atoll(asked) : 250000;
   if (points <= 0) return;
-  app::BundleSettings settings;
-  settings.points = points;
-  settings.cameras = static_cast<int>(std::max<std::int64_t>(10, points / 125));
-  const auto registry = builtinRegistry();
+  const std::int64_t cameras = std::max<std::int64_t>(10, points / 125);
+  const auto command = program.parent_path() / "quiver";
   const std::string file =
       (std::filesystem::temp_directory_path() / fmt::format("quiver-bench-{}.bal", ::getpid())).string();
-  app::writeBundle(settings, *registry, file, "", threads);
+  const std::string line = fmt::format("'{}' simulate bundle -o '{}' --cameras {} --points {} > /dev/null",
+                                       command.string(), file, cameras, points);
+  if (std::system(line.c_str()) != 0) {
+    fmt::print("the command {} is not built or failed: nothing is simulated\n", command.string());
+    return;
+  }
+  const auto registry = builtinRegistry();
   double loadSeconds = 0.0;
   Graph graph(registry);
   loadSeconds = bench::secondsOf([&] { graph = readGraph(file, registry, {.threads = threads}); });
@@ -275,9 +280,8 @@ void measureLarge(bench::JsonRows& json) {
   fmt::print(
       "{} cameras, {} points, {:.0f} observations: read in {:.2f} s, {} trial steps in {:.2f} s ({:.1f} ms each) "
       "with {}, chi2 {:.8g}, {}; {:.0f} bytes an observation above the {:.0f} MB after reading\n",
-      settings.cameras, points, observations, loadSeconds, summary.iterations.size(), seconds,
-      1e3 * iterationSeconds(summary), summary.plan.linearSolver, summary.finalChi2, toString(summary.status), bytes,
-      1e-6 * loaded);
+      cameras, points, observations, loadSeconds, summary.iterations.size(), seconds, 1e3 * iterationSeconds(summary),
+      summary.plan.linearSolver, summary.finalChi2, toString(summary.status), bytes, 1e-6 * loaded);
   json.begin("simulated");
   json.add("observations", observations);
   json.add("load_seconds", loadSeconds);
@@ -299,7 +303,7 @@ int main(int count, char** words) {
   }
   bench::JsonRows json;
   try {
-    measureLarge(json);  // first: the peak of a process never falls
+    measureLarge(words[0], json);  // first: the peak of a process never falls
     comparePublished(arguments, json);
     compareMotion(arguments.rounds, json);
     compareSharing(arguments.rounds, json);
