@@ -27,7 +27,9 @@ void addConvertCommand(CLI::App& parser, int&) {
   CLI::App* command = parser.add_subcommand("convert", "Read a graph in any format known and write it as .g2o or .bal");
   auto flags = std::make_shared<Flags>();
   addSourceOptions(*command, flags->source);
-  command->add_option("OUT", flags->output, "Graph to write (.g2o, or .bal where it can; .gz and .bz2 compress; - is standard output)")
+  command
+      ->add_option("OUT", flags->output,
+                   "Graph to write (.g2o, or .bal where it can; .gz and .bz2 compress; - is standard output)")
       ->required()
       ->type_name("");
   command->footer(

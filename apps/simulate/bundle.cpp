@@ -4,8 +4,8 @@
 #include <vector>
 
 #include <quiver/core/io/bal/bal_format.h>
-#include <quiver/core/io/text/number_writer.h>
 #include <quiver/core/io/files/output_file.h>
+#include <quiver/core/io/text/number_writer.h>
 #include <quiver/core/util/parallel.h>
 
 namespace quiver::app {

@@ -72,4 +72,11 @@ void parallelFor(std::int64_t count, int threads, FunctionRef<void(std::int64_t)
   first.rethrow();
 }
 
+void parallelForWorkers(std::int64_t count, int workers, int threads, FunctionRef<void(std::int64_t, int)> task) {
+  std::atomic<std::int64_t> next{0};
+  parallelFor(workers, threads, [&](std::int64_t worker) {
+    for (std::int64_t i = next++; i < count; i = next++) task(i, static_cast<int>(worker));
+  });
+}
+
 }  // namespace quiver

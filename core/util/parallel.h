@@ -17,4 +17,10 @@ int hardwareThreads();
 /// tasks have ended (the remaining ones may be skipped). Calls do not nest: inside a task it is a plain loop.
 void parallelFor(std::int64_t count, int threads, FunctionRef<void(std::int64_t)> task);
 
+/// Calls task(i, worker) for i = 0 … count − 1, each exactly once, from at most `workers` workers that each own memory
+/// numbered by `worker` (0 … workers − 1): tasks of one worker run one after the other. Which worker takes which task is
+/// not fixed, so a worker's memory may hold nothing that outlives a task. Otherwise as parallelFor; takes the tasks in
+/// ascending order.
+void parallelForWorkers(std::int64_t count, int workers, int threads, FunctionRef<void(std::int64_t, int)> task);
+
 }  // namespace quiver

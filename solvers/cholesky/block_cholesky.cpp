@@ -82,11 +82,9 @@ SolverStatus BlockCholesky::factorize(const BlockMatrix& matrix, std::span<const
   const Input input{matrix.values().data(), damping.empty() ? nullptr : damping.data(), &stop};
   const TaskSchedule& schedule = plan_.schedule;
   std::atomic<bool> stopped{false};
-  std::atomic<std::int64_t> next{0};  // which worker does which task is left open; it decides about places only
   const auto count = static_cast<std::int64_t>(schedule.tasks.size());
-  parallelFor(plan_.workers, schedule.threads, [&](std::int64_t w) {
-    double* arena = arena_.data() + w * plan_.workerArena;
-    for (std::int64_t t = next++; t < count; t = next++) failures_[t] = factorTask(t, input, arena, stopped);
+  parallelForWorkers(count, plan_.workers, schedule.threads, [&](std::int64_t t, int worker) {
+    failures_[t] = factorTask(t, input, arena_.data() + worker * plan_.workerArena, stopped);
   });
   if (stopped || stop.reached()) return {.outcome = SolverStatus::Outcome::interrupted};
   // The first in the factor's numbering, whichever task met it first.

@@ -43,6 +43,23 @@ TEST(ParallelFor, rethrowsAnException) {
   }
 }
 
+TEST(ParallelForWorkers, givesEveryTaskToOneWorkerAtATime) {
+  for (const int threads : {1, 2, 3}) {
+    for (const int workers : {1, 2, 5}) {
+      std::vector<int> calls(300, 0);
+      std::vector<std::atomic<int>> busy(static_cast<std::size_t>(workers));
+      std::atomic<bool> shared{false};
+      parallelForWorkers(300, workers, threads, [&](std::int64_t i, int worker) {
+        if (busy[static_cast<std::size_t>(worker)]++ != 0) shared = true;
+        ++calls[static_cast<std::size_t>(i)];
+        --busy[static_cast<std::size_t>(worker)];
+      });
+      EXPECT_EQ(calls, std::vector<int>(300, 1));
+      EXPECT_FALSE(shared) << "two tasks in one worker's memory";
+    }
+  }
+}
+
 TEST(ParallelFor, severalCallersShareThePool) {
   std::vector<std::vector<int>> calls(4, std::vector<int>(200, 0));
   std::vector<std::thread> callers;

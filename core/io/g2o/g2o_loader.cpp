@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include <quiver/core/io/toro/bearing_range.h>
 #include <quiver/core/io/g2o/g2o_annotations.h>
 #include <quiver/core/io/g2o/g2o_loader.h>
+#include <quiver/core/io/toro/bearing_range.h>
 #include <quiver/core/util/parallel.h>
 
 namespace quiver::detail {

@@ -2,8 +2,8 @@
 
 #include <quiver/core/io/bal/bal_format.h>
 #include <quiver/core/io/bal/bal_reader.h>
-#include <quiver/core/io/g2o/g2o_loader.h>
 #include <quiver/core/io/files/input_file.h>
+#include <quiver/core/io/g2o/g2o_loader.h>
 
 namespace quiver {
 

@@ -10,8 +10,8 @@
 
 #include <quiver/core/io/bal/bal_format.h>
 #include <quiver/core/io/bal/bal_writer.h>
-#include <quiver/core/io/text/number_writer.h>
 #include <quiver/core/io/files/output_file.h>
+#include <quiver/core/io/text/number_writer.h>
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/parallel.h>
 

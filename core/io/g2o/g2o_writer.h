@@ -28,8 +28,8 @@ struct WriteOptions {
 ///     #quiver vertex TAG ID                 a vertex without an estimate
 ///
 /// A name that ends in .bal, .bal.gz or .bal.bz2 asks for the format of "bundle adjustment in the large" instead, which
-/// holds cameras, points and pixels alone: ids become 0, 1, …, comments and data lines are left out, and kernels, levels
-/// or fixed vertices are refused.
+/// holds cameras, points and pixels alone: ids become 0, 1, …, comments and data lines are left out, and kernels,
+/// levels or fixed vertices are refused.
 ///
 /// Throws FileError if the file cannot be written, GraphError if a number is not finite or the format cannot hold the
 /// graph. O(size).

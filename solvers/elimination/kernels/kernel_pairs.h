@@ -1,3 +1,4 @@
+// No include guard is needed but for tools: included by kernel_body.h, inside the namespace of the instruction set.
 // Kernels on pairs of records: C −= Σ Z_row Z_columnᵀ, accumulated in registers over all pairs of a block.
 
 /// Vectors for the rows of a record's body.

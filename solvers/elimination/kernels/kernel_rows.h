@@ -1,3 +1,4 @@
+// No include guard is needed but for tools: included by kernel_body.h, inside the namespace of the instruction set.
 // Kernels on rows of eight edges. Template sizes of 0 stand for sizes known at run time.
 
 template <int fixed>

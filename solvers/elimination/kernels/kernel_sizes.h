@@ -1,3 +1,4 @@
+// No include guard is needed but for tools: included by kernel_body.h, inside the namespace of the instruction set.
 // Sizes that are compiled as constants. Adding one is one line.
 
 // QUIVER_ROW_SIZE(N, k, e): error dimension, kept vertex, eliminated vertex.
