@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <quiver/apps/commands.h>
+#include <quiver/apps/list/types_markdown.h>
 #include <quiver/apps/optimize/solver_names.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/output.h>
@@ -165,6 +166,7 @@ void printRegistry(const Json& json) {
 struct Flags {
   std::vector<std::string> plugins;
   std::string json;
+  bool markdown = false;
 };
 
 }  // namespace
@@ -174,12 +176,14 @@ void addListCommand(CLI::App& parser, int&) {
   auto flags = std::make_shared<Flags>();
   addPluginOption(*command, flags->plugins);
   command->add_option("--json", flags->json, "Write the list as JSON here (- is standard output)")->type_name("FILE");
+  command->add_flag("--markdown", flags->markdown, "Write the types as tables in Markdown (docs/types.md)");
   command->footer("Examples:\n  quiver list\n  quiver list --plugin libbeacons.so --json -");
   command->callback([flags] {
     checkOutputs({flags->json});
     const Json json = describeRegistry(*makeRegistry(flags->plugins));
+    if (flags->markdown) fmt::print("{}", typesAsMarkdown(json));
     if (flags->json.empty()) {
-      printRegistry(json);
+      if (!flags->markdown) printRegistry(json);
     } else {
       saveJson(flags->json, json);
     }

@@ -5,6 +5,7 @@
 #include <quiver/apps/simulate/bundle_command.h>
 #include <quiver/apps/simulate/outliers_command.h>
 #include <quiver/apps/simulate/sphere.h>
+#include <quiver/apps/simulate/world_command.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/output.h>
@@ -83,6 +84,7 @@ void addSimulateCommand(CLI::App& parser, int&) {
       "  quiver simulate sphere -o small.g2o --laps 10 --nodes-per-lap 20 --seed 7 --noise-rotation '0.01;0.01;0.05'");
   addBundleSimulation(*command);
   addOutliersSimulation(*command);
+  addWorldSimulations(*command);
   sphere->callback([flags] { simulateSphere(*flags); });
 }
 

@@ -14,5 +14,6 @@ void addListCommand(CLI::App& parser, int& exitCode);
 void addConvertCommand(CLI::App& parser, int& exitCode);
 void addSimulateCommand(CLI::App& parser, int& exitCode);
 void addPlotCommand(CLI::App& parser, int& exitCode);
+void addEvaluateCommand(CLI::App& parser, int& exitCode);
 
 }  // namespace quiver::app

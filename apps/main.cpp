@@ -60,6 +60,7 @@ int runCommand(int count, char** words) {
   addConvertCommand(parser, exitCode);
   addSimulateCommand(parser, exitCode);
   addPlotCommand(parser, exitCode);
+  addEvaluateCommand(parser, exitCode);
   try {
     parser.parse(count, words);
   } catch (const CLI::Success& asked) {  // --help, --version
