@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 
 #include <quiver/core/graph/vertex.h>
 #include <quiver/core/registry/element_types.h>
@@ -105,7 +106,11 @@ class VertexCameraBal : public BaseVertex<VertexCameraBal, 9, BalCamera<double>>
   }
   void read(FieldReader& reader) {
     std::array<double, 9> numbers;
-    reader.reals(numbers);
+    const std::span all(numbers);
+    reader.reals(all.first<3>());
+    // The square of its length may overflow.
+    if (!rotationOf({numbers[0], numbers[1], numbers[2]}).allFinite()) reader.fail("this rotation vector is too long");
+    reader.reals(all.subspan<3>());
     setNumbers(numbers);
   }
   void write(FieldWriter& writer) const { writer.reals(numbers()); }

@@ -64,7 +64,8 @@ INSTANTIATE_TEST_SUITE_P(
                     World{"Points", "landmarks-2d --poses 400 --landmarks 60"},
                     World{"Bearings", "landmarks-2d --poses 400 --landmarks 60 --sensors odometry,point,bearing"},
                     World{"Space", "landmarks-3d --poses 300 --landmarks 150"},
-                    World{"Cameras", "landmarks-3d --poses 300 --landmarks 150 --sensors depth,disparity"},
+                    // Few poses: cameras need odometry to place landmarks before them, not behind.
+                    World{"Cameras", "landmarks-3d --poses 60 --landmarks 150 --sensors depth,disparity"},
                     World{"SpaceCompassGps", "landmarks-3d --poses 300 --landmarks 50 --sensors compass,gps,pose"}),
     [](const auto& info) { return std::string(info.param.name); });
 

@@ -174,6 +174,15 @@ TEST(Bal, ErrorsHaveAPlace) {
   EXPECT_EQ(fraction.line(), 6);
 }
 
+TEST(Bal, ARotationVectorWithoutASineIsRefused) {
+  const std::string cameras = "2 1 1\n1 0 1 2\n0 0 0 0 0 0 1 0 0\n";
+  EXPECT_STREQ(refusal(cameras + "1e200 1e200 0 0 0 0 1 0 0\n1 2 3\n").what(),
+               "problem.bal:4:13: this rotation vector is too long");
+  EXPECT_STREQ(refusal("VERTEX_CAMERA:BAL 0 1e200 1e200 0 0 0 0 1 0 0\n").what(),
+               "problem.bal:1:33: this rotation vector is too long");
+  EXPECT_EQ(read(cameras + "1e100 1e100 0 0 0 0 1 0 0\n1 2 3\n").vertexCount(), 3);
+}
+
 TEST(Bal, HeadersThatLie) {
   const std::string small = smallProblem();
   const auto withHeader = [&](const std::string& header) { return header + small.substr(small.find('\n')); };

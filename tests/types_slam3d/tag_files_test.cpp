@@ -76,9 +76,11 @@ TEST(SpatialTags, EulerAnglesRoundTrip) {
 }
 
 TEST(SpatialTags, JacobiansPass) {
+  // All but those of EDGE_SE3:LOG_APPROXIMATE, which is there to show what approximate ones cost.
   for (const char* name : {"every_tag.g2o", "euler.graph"}) {
     const Graph graph = readGraph(dataFile(name), builtinRegistry());
-    const JacobianReport report = checkJacobians(graph);
+    JacobianReport report = checkJacobians(graph);
+    std::erase_if(report.types, [](const auto& type) { return type.tag == "EDGE_SE3:LOG_APPROXIMATE"; });
     EXPECT_LT(report.worstDeviation(), 1e-6) << report.describe();
   }
 }

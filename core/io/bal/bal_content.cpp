@@ -88,8 +88,8 @@ BalHeader readHeader(const SourceText& source) {
   header.observations = scanner.index(BalScanner::most, [] { return "number of observations"; });
   header.end = scanner.cursor();
   // Every number takes two bytes at least, itself and a blank; the last needs no blank.
-  const std::int64_t numbers =
-      4 * header.observations + BalContent::cameraNumbers * header.cameras + BalContent::pointNumbers * header.points;
+  const std::int64_t numbers = BalContent::observationNumbers * header.observations +
+                               BalContent::cameraNumbers * header.cameras + BalContent::pointNumbers * header.points;
   const std::int64_t left = source.end() - header.end;
   if (left < 2 * numbers) {
     throw source.error(place, fmt::format("the header promises {} cameras, {} points and {} observations, {} numbers, "
@@ -213,6 +213,12 @@ BalContent readBalContent(const SourceText& source, int threads) {
   BalContent content = sized(header);
   if (!readByLines(source, header, threads, content)) readInOrder(source, header, content);
   return content;
+}
+
+const char* balNumberPlace(const SourceText& source, std::size_t index) {
+  BalScanner scanner(source, source.begin() + (source.text.starts_with("\xef\xbb\xbf") ? 3 : 0));
+  for (std::size_t i = 0; i <= index; ++i) scanner.real([] { return "a number"; });
+  return scanner.last();
 }
 
 }  // namespace quiver::detail

@@ -25,6 +25,8 @@ struct BalContent {
   /// The cameras' and then the points' numbers.
   std::vector<double> values;
 
+  static constexpr int headerNumbers = 3;
+  static constexpr int observationNumbers = 4;
   static constexpr int cameraNumbers = 9;
   static constexpr int pointNumbers = 3;
 };
@@ -33,5 +35,8 @@ struct BalContent {
 /// read by `threads` threads in pieces; others, and files with an error, from front to end. Throws ParseError at the
 /// first number that is wrong, missing or too much. Memory is reserved only for counts that the text's length allows.
 BalContent readBalContent(const SourceText& source, int threads);
+
+/// Where the number of that index stands, counted from the header's first. For messages: O(size).
+const char* balNumberPlace(const SourceText& source, std::size_t index);
 
 }  // namespace quiver::detail
