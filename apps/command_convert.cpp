@@ -1,9 +1,13 @@
+#include <map>
+#include <optional>
+
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/commands.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/output.h>
+#include <quiver/types_slam3d/addons/euler_conversion.h>
 
 namespace quiver::app {
 namespace {
@@ -11,31 +15,44 @@ namespace {
 struct Flags {
   GraphSource source;
   std::string output;
+  std::optional<GraphFormat> format;
 };
 
 void convert(const Flags& flags) {
   checkOutputs({flags.output});
-  const LoadedGraph loaded = loadGraph(flags.source);
+  LoadedGraph loaded = loadGraph(flags.source);
   for (const std::string& note : readingNotes(flags.source, loaded.report)) fmt::print(stderr, "{}\n", note);
-  checkOutputFormat(flags.output, loaded.graph);
-  saveGraph(flags.output, loaded.graph, flags.source.threads);
+  const GraphFormat format = flags.format.value_or(formatOfPath(flags.output));
+  // What other programs read: TORO's spatial poses are few programs' .g2o.
+  if (loaded.report.format == "toro" && (format == GraphFormat::g2o || format == GraphFormat::csv))
+    loaded.graph = withQuaternions(loaded.graph);
+  checkOutputFormat(flags.output, loaded.graph, format);
+  saveGraph(flags.output, loaded.graph, flags.source.threads, format);
 }
 
 }  // namespace
 
 void addConvertCommand(CLI::App& parser, int&) {
-  CLI::App* command = parser.add_subcommand("convert", "Read a graph in any format known and write it as .g2o or .bal");
+  CLI::App* command = parser.add_subcommand("convert", "Read a graph in any format known and write it in another");
   auto flags = std::make_shared<Flags>();
   addSourceOptions(*command, flags->source);
   command
-      ->add_option("OUT", flags->output,
-                   "Graph to write (.g2o, or .bal where it can; .gz and .bz2 compress; - is standard output)")
+      ->add_option(
+          "OUT", flags->output,
+          "Graph to write: TORO where the name ends in .graph or .toro, a table for .csv, .bal, else .g2o; .gz "
+          "and .bz2 compress; - is standard output")
       ->required()
       ->type_name("");
+  static const std::map<std::string, GraphFormat> formats{
+      {"g2o", GraphFormat::g2o}, {"toro", GraphFormat::toro}, {"csv", GraphFormat::csv}, {"bal", GraphFormat::bal}};
+  command->add_option("--to", flags->format, "Format to write, whatever the name says")
+      ->type_name("g2o|toro|csv|bal")
+      ->transform(CLI::CheckedTransformer(formats).description(""));
   command->footer(
       "Examples:\n"
       "  quiver convert toro.graph out.g2o\n"
       "  quiver convert city.g2o city.g2o.gz\n"
+      "  quiver convert city.g2o.bz2 - --to csv\n"
       "  quiver convert problem-49-7776-pre.txt.bz2 ladybug.g2o\n"
       "  quiver convert broken.g2o mended.g2o --information clamp --unknown skip");
   command->callback([flags] { convert(*flags); });

@@ -19,6 +19,7 @@
 #include <quiver/types_slam2d/edge_se2_xy.h>
 #include <quiver/types_slam2d/vertex_se2.h>
 #include <quiver/types_slam2d/vertex_xy.h>
+#include <quiver/types_slam3d/addons/euler_conversion.h>
 #include <quiver/types_slam3d/edge_se3.h>
 #include <quiver/types_slam3d/edge_se3_log.h>
 #include <quiver/types_slam3d/edge_se3_prior.h>

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <quiver/core/io/bal/bal_format.h>
+#include <quiver/core/io/files/graph_format.h>
 #include <quiver/core/io/files/output_file.h>
 #include <quiver/core/io/text/number_writer.h>
 #include <quiver/core/util/parallel.h>
@@ -96,7 +97,7 @@ class BundleWriter {
 
   void write(const std::string& path, bool noisy) const {
     OutputFile file(path);
-    const BundleText text(detail::isBalPath(path), types_, settings_.pixelNoise);
+    const BundleText text(formatOfPath(path) == GraphFormat::bal, types_, settings_.pixelNoise);
     NumberWriter head;
     text.header(counts_, head);
     file.write(head.view());

@@ -21,6 +21,8 @@ struct Flags {
 
 void simulateBundle(const Flags& flags) {
   checkOutputs({flags.output, flags.truth});
+  for (const std::string& path : {flags.output, flags.truth})
+    checkStreamedFormat(path, {GraphFormat::g2o, GraphFormat::bal});
   BundleCounts counts;
   try {
     check(flags.bundle);

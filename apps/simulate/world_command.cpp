@@ -38,6 +38,7 @@ void applySensors(const std::vector<std::string>& sensors, WorldSettings& world)
 void simulate(const Flags& flags) {
   if (flags.output == flags.truth) throw UsageError("the graph and its truth go to the same place");
   checkOutputs({flags.output, flags.truth});
+  for (const std::string& path : {flags.output, flags.truth}) checkStreamedFormat(path, {GraphFormat::g2o});
   WorldSettings world = flags.world;
   applySensors(flags.sensors, world);
   WorldCounts counts;

@@ -41,7 +41,9 @@ void addThreadsOption(CLI::App& command, int& threads) {
 }
 
 void addSourceOptions(CLI::App& command, GraphSource& source) {
-  command.add_option("IN", source.path, "Graph to read (.g2o, .graph, BAL; .gz and .bz2 too; - is standard input)")
+  command
+      .add_option("IN", source.path,
+                  "Graph to read (.g2o, TORO, CSV, BAL, told by content; .gz and .bz2 too; - is standard input)")
       ->required()
       ->type_name("");
   addPluginOption(command, source.plugins);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <initializer_list>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -7,6 +9,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <quiver/core/graph/graph.h>
+#include <quiver/core/io/files/graph_format.h>
 
 namespace quiver::app {
 
@@ -14,14 +17,18 @@ namespace quiver::app {
 /// or the same file. Empty paths are skipped. To be asked before long work.
 void checkOutputs(const std::vector<std::string>& paths);
 
-/// Throws OutputError if the format that the name of `path` asks for cannot hold the graph. To be asked before long
-/// work; an empty path is skipped.
-void checkOutputFormat(const std::string& path, const Graph& graph);
+/// Throws OutputError if the format, or the one that the name of `path` asks for, cannot hold the graph. To be asked
+/// before long work; an empty path is skipped.
+void checkOutputFormat(const std::string& path, const Graph& graph, std::optional<GraphFormat> format = {});
+
+/// Throws UsageError if the name of `path` asks for another format than those. For what is written as it is made.
+void checkStreamedFormat(const std::string& path, std::initializer_list<GraphFormat> formats);
 
 /// Write whole files ("-" is standard output). Throw OutputError.
 void saveText(const std::string& path, std::string_view text);
 /// Indented, one key a line; numbers that are not finite become null.
 void saveJson(const std::string& path, const nlohmann::ordered_json& json);
-void saveGraph(const std::string& path, const Graph& graph, int threads = 0);
+/// Poses in space become TORO's where the format is that.
+void saveGraph(const std::string& path, const Graph& graph, int threads = 0, std::optional<GraphFormat> format = {});
 
 }  // namespace quiver::app

@@ -103,6 +103,40 @@ TEST_F(OtherCommands, ConvertCompressesAndComesBack) {
   EXPECT_EQ(run("convert in.g2o no/such/folder/x.g2o").exitCode, 6);
 }
 
+TEST_F(OtherCommands, ConvertGoesBetweenFormats) {
+  ASSERT_EQ(run("simulate sphere -o a.g2o --laps 4 --nodes-per-lap 8").exitCode, 0);
+  ASSERT_EQ(run("convert a.g2o a.graph.gz").exitCode, 0);
+  const Json toro = Json::parse(run("info a.graph.gz --json -").out);
+  EXPECT_EQ(toro["input"]["format"], "toro");
+  EXPECT_EQ(toro["input"]["vertices"]["VERTEX3"], 32);
+  ASSERT_EQ(run("convert a.graph.gz b.csv").exitCode, 0);
+  const Json table = Json::parse(run("info b.csv --json -").out);
+  EXPECT_EQ(table["input"]["format"], "csv");
+  EXPECT_EQ(table["input"]["vertices"]["VERTEX_SE3:QUAT"], 32);
+  const double chi2 = Json::parse(run("info a.g2o --json -").out)["chi2"].get<double>();
+  EXPECT_NEAR(toro["chi2"].get<double>(), chi2, 1e-9 * chi2);
+  EXPECT_NEAR(table["chi2"].get<double>(), chi2, 1e-9 * chi2);
+  // Through pipes, and back to the same bytes.
+  ASSERT_EQ(run("convert a.g2o - --to csv > p.csv").exitCode, 0);
+  ASSERT_EQ(run("convert - c.g2o < p.csv").exitCode, 0);
+  EXPECT_EQ(read("c.g2o"), read("a.g2o"));
+  ASSERT_EQ(run("optimize a.g2o -o o.toro --quiet").exitCode, 0);
+  EXPECT_EQ(read("o.toro").rfind("VERTEX3 0 ", 0), 0u);
+}
+
+TEST_F(OtherCommands, FormatsThatCannotHoldAGraphAreRefused) {
+  write("plane.g2o", "VERTEX_PLANE 0 0 0 1 -1 0 0 0\n");
+  for (const char* command :
+       {"convert plane.g2o x.graph", "convert plane.g2o - --to toro", "optimize plane.g2o -o x.toro"}) {
+    const CommandResult refused = run(command);
+    EXPECT_EQ(refused.exitCode, 6) << command;
+    EXPECT_NE(refused.err.find("TORO files have no VERTEX_PLANE"), std::string::npos) << refused.err;
+  }
+  EXPECT_FALSE(exists("x.graph"));
+  EXPECT_EQ(run("simulate manhattan -o x.csv --poses 10").exitCode, 2);
+  EXPECT_EQ(run("convert plane.g2o x.g2o --to xml").exitCode, 2);
+}
+
 TEST_F(OtherCommands, PlotDrawsPlanesAndSpace) {
   ASSERT_EQ(run("simulate sphere -o in.g2o --laps 6 --nodes-per-lap 12").exitCode, 0);
   ASSERT_EQ(run("optimize in.g2o -o out.g2o --quiet").exitCode, 0);

@@ -50,8 +50,9 @@ TEST(Bal, IsToldByItsFirstToken) {
   EXPECT_FALSE(detail::looksLikeBal("VERTEX_SE2 0 0 0 0\n"));
   EXPECT_FALSE(detail::looksLikeBal("# 49 7776 31843\n"));
   EXPECT_FALSE(detail::looksLikeBal("7zip"));
-  for (const char* path : {"a.bal", "a.bal.gz", "x/a.bal.bz2"}) EXPECT_TRUE(detail::isBalPath(path)) << path;
-  for (const char* path : {"a.g2o", "a.bal.g2o", "bal", "-", "a.gz"}) EXPECT_FALSE(detail::isBalPath(path)) << path;
+  for (const char* path : {"a.bal", "a.bal.gz", "x/a.bal.bz2"}) EXPECT_EQ(formatOfPath(path), GraphFormat::bal) << path;
+  for (const char* path : {"a.g2o", "a.bal.g2o", "bal", "-", "a.gz"})
+    EXPECT_EQ(formatOfPath(path), GraphFormat::g2o) << path;
 }
 
 TEST(Bal, CamerasComeFirstThenPoints) {

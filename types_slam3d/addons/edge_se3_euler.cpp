@@ -52,14 +52,16 @@ std::vector<Field> EdgeSE3Euler::fields() {
 void EdgeSE3Euler::read(FieldReader& reader) {
   reader.reals(line_);
   const SE3<double> pose = poseOf(line_);
-  const Matrix6 given = informationOf(line_);
-  checkInformation(given.data(), 6);
-  const Matrix6 information = mapped(given, pose);
-  if (!information.allFinite()) {
-    reader.fail("the angles' information cannot be mapped for half a turn or a pitch of a quarter turn");
+  const Matrix6 information = mapped(informationOf(line_), pose);
+  if (!information.allFinite() || !detail::hasQuaternionChart(pose.rotation())) {
+    reader.fail("the angles' information cannot be mapped to the quaternion's for half a turn");
   }
   setMeasurement(pose);
-  setInformation(information);
+  // The reader checks it, and mends it on request.
+  std::size_t k = 0;
+  for (int r = 0; r < 6; ++r) {
+    for (int c = r; c < 6; ++c) informationStore().values()[k++] = information(r, c);
+  }
 }
 
 void EdgeSE3Euler::write(FieldWriter& writer) const {

@@ -25,7 +25,21 @@ inline Vector<S, 3> toEuler(const S& x, const S& y, const S& z, const S& w) {
                       atan2(S(2.0 * (w * z + x * y)), S(1.0 - 2.0 * (y * y + z * z))));
 }
 
-/// ∂(roll, pitch, yaw)/∂(q_x, q_y, q_z) with q_w = √(1 − |q_xyz|²): infinite for half turns and for pitch ±π/2.
+/// Whether (q_x, q_y, q_z) are coordinates around this rotation: they are none of half turns, where yaw changes beyond
+/// all bounds with them.
+inline bool hasQuaternionChart(const SO3<double>& rotation) {
+  constexpr double leastCosine = 1e-6;
+  return std::abs(rotation.w()) >= leastCosine;
+}
+
+/// Whether Euler angles are coordinates around this rotation: they are none where the pitch is a quarter turn.
+inline bool hasEulerChart(const SO3<double>& q) {
+  constexpr double margin = 1e-12;
+  return std::abs(2.0 * (q.w() * q.y() - q.z() * q.x())) <= 1.0 - margin;
+}
+
+/// ∂(roll, pitch, yaw)/∂(q_x, q_y, q_z) with q_w = √(1 − |q_xyz|²): of use only where both
+/// are coordinates.
 inline Matrix<double, 3, 3> eulerByQuaternion(const SO3<double>& rotation) {
   using D = Dual<double, 3>;
   using std::sqrt;

@@ -35,11 +35,4 @@ bool looksLikeBal(std::string_view text) {
          std::string_view(" \t\r\n").find(*number.end) != std::string_view::npos;
 }
 
-bool isBalPath(std::string_view path) {
-  for (const std::string_view compression : {".gz", ".bz2"}) {
-    if (path.ends_with(compression)) path.remove_suffix(compression.size());
-  }
-  return path.ends_with(".bal");
-}
-
 }  // namespace quiver::detail

@@ -19,7 +19,4 @@ struct BalTypes {
 /// Whether a text is such a file, not .g2o or TORO: it begins with a number, those with a tag.
 bool looksLikeBal(std::string_view text);
 
-/// Whether a name asks for such a file: it ends in .bal, .bal.gz or .bal.bz2.
-bool isBalPath(std::string_view path);
-
 }  // namespace quiver::detail

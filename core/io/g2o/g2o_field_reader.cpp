@@ -14,9 +14,10 @@ int triangleDimension(std::size_t entries) {
 
 }  // namespace
 
-G2oFieldReader::G2oFieldReader(const SourceText& source, const ElementType& type, const char* fields)
+G2oFieldReader::G2oFieldReader(const SourceText& source, const ElementType& type, const char* line, const char* fields)
     : source_(source),
       type_(type),
+      line_(line),
       fields_(fields),
       last_(fields),
       scanner_(std::string_view(fields, static_cast<std::size_t>(source.end() - fields))) {}
@@ -55,6 +56,10 @@ std::string_view G2oFieldReader::word() {
 
 void G2oFieldReader::fail(const std::string& message) const { throw source_.error(last_, message); }
 
+std::string_view G2oFieldReader::tag() const {
+  return *line_ == '#' ? std::string_view(type_.tag()) : source_.tokenAt(line_);
+}
+
 void G2oFieldReader::failNumber(NumberStatus status, bool integer) {
   if (scanner_.atLineEnd()) failEarly();
   throw source_.badNumber(last_, status, integer);
@@ -71,7 +76,7 @@ void G2oFieldReader::failEarly() {
     const std::vector<Field> tail = type_.tailFields();
     if (read >= entries && read - entries < tail.size()) {
       throw source_.endsEarly(from, fmt::format("field '{}' of {}, behind the information matrix, is missing",
-                                                tail[read - entries].name, type_.tag()));
+                                                tail[read - entries].name, tag()));
     }
     int row = 0;
     int column = static_cast<int>(read);
@@ -81,8 +86,8 @@ void G2oFieldReader::failEarly() {
   }
   const std::vector<Field> fields = type_.fields();
   throw source_.endsEarly(from, read < fields.size()
-                                    ? fmt::format("field '{}' of {} is missing", fields[read].name, type_.tag())
-                                    : fmt::format("{} has further fields", type_.tag()));
+                                    ? fmt::format("field '{}' of {} is missing", fields[read].name, tag())
+                                    : fmt::format("{} has further fields", tag()));
 }
 
 int G2oFieldReader::information(int dimension, std::vector<double>& triangle) {
@@ -108,8 +113,7 @@ int G2oFieldReader::information(int dimension, std::vector<double>& triangle) {
 void G2oFieldReader::expectEnd() {
   if (atEnd()) return;
   const std::string_view extra = scanner_.token();
-  throw source_.error(extra.data(),
-                      fmt::format("unexpected {} after the last field of {}", quoted(extra), type_.tag()));
+  throw source_.error(extra.data(), fmt::format("unexpected {} after the last field of {}", quoted(extra), tag()));
 }
 
 }  // namespace quiver::detail

@@ -16,8 +16,9 @@ namespace quiver::detail {
 /// much.
 class G2oFieldReader final : public FieldReader {
  public:
-  /// `fields` is where the fields of an element of this type start, or the blanks before them.
-  G2oFieldReader(const SourceText& source, const ElementType& type, const char* fields);
+  /// `line` is where the line of an element of this type starts, `fields` where its fields do, or the blanks before
+  /// them.
+  G2oFieldReader(const SourceText& source, const ElementType& type, const char* line, const char* fields);
 
   double real() override;
   std::int64_t integer() override;
@@ -38,9 +39,12 @@ class G2oFieldReader final : public FieldReader {
   double nextReal();
   [[noreturn]] void failNumber(NumberStatus status, bool integer);
   [[noreturn]] void failEarly();
+  /// As the line spells it.
+  std::string_view tag() const;
 
   const SourceText& source_;
   const ElementType& type_;
+  const char* line_;
   const char* fields_;
   const char* information_ = nullptr;
   int informationDimension_ = 0;

@@ -28,6 +28,9 @@ TagTable::TagTable(const Registry& registry) : registry_(registry) {
   addToroTag("VERTEX2", "VERTEX_SE2", LineDialect::toro);
   addToroTag("EDGE2", "EDGE_SE2", LineDialect::toro);
   addToroTag("BR", "EDGE_SE2_XY", LineDialect::bearingRange);
+  for (const std::string_view tag : {"VERTEX3", "EDGE3"}) {
+    if (const auto it = entries_.find(tag); it != entries_.end()) it->second.toro = true;
+  }
 }
 
 /// Unless the registry has a type of that tag, or none that the tag could stand for.
@@ -36,6 +39,7 @@ void TagTable::addToroTag(std::string_view tag, std::string_view g2oTag, LineDia
   if (!known) return;
   TagEntry entry = *known;
   entry.dialect = dialect;
+  entry.toro = true;
   entries_.emplace(tag, entry);
 }
 
@@ -184,6 +188,9 @@ void G2oIndexer::readFixIds() {
 
 void G2oIndexer::refuseTag(std::string_view tag) const {
   std::vector<std::string> known = tags_.registry().knownTags();
+  for (const char* toro : {"VERTEX2", "EDGE2", "BR"}) {
+    if (tags_.find(toro)) known.emplace_back(toro);
+  }
   const std::string nearest = nearestWord(tag, known);
   throw source_.error(tag.data(), nearest.empty()
                                       ? fmt::format("unknown tag {}", quoted(tag))

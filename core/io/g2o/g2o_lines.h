@@ -25,7 +25,7 @@ enum class LineKind : std::uint8_t {
   unknown,
 };
 
-/// Planar TORO files hold g2o's types by other names and with other numbers.
+/// Planar TORO files hold g2o's types by other names and with other numbers; the spatial ones are g2o's VERTEX3, EDGE3.
 enum class LineDialect : std::uint8_t {
   g2o,
   /// VERTEX2 and EDGE2: the information matrix is I11 I12 I22 I33 I13 I23.
@@ -42,6 +42,8 @@ struct TagEntry {
   int type = -1;
   /// How the line differs from what the type itself would read.
   LineDialect dialect = LineDialect::g2o;
+  /// Whether the tag is one of TORO's.
+  bool toro = false;
   /// Edges only: number of vertices (the least one), whether there may be more, and of parameters.
   int arity = 0;
   bool variableArity = false;

@@ -30,6 +30,13 @@ void reorderToro(std::vector<double>& triangle) {
   triangle = {triangle[0], triangle[1], triangle[4], triangle[2], triangle[5], triangle[3]};
 }
 
+/// n with n (n + 1) / 2 = entries.
+int triangleDimension(std::size_t entries) {
+  int n = 0;
+  for (std::size_t sum = 0; sum < entries; sum += static_cast<std::size_t>(++n)) continue;
+  return n;
+}
+
 std::string_view withoutByteOrderMark(std::string_view text) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   return text;
@@ -54,18 +61,28 @@ Graph G2oLoader::load() {
     throw;
   }
   readFields();
-  bool toro = false;
   G2oAnnotations annotations(source_, options_, graph_);
-  for (const G2oChunk& chunk : chunks_) {
-    annotations.apply(chunk);
-    for (const G2oLine& line : chunk.lines) toro = toro || (line.entry && line.entry->dialect != LineDialect::g2o);
-  }
+  for (const G2oChunk& chunk : chunks_) annotations.apply(chunk);
   annotations.finish();
-  if (toro && options_.report) options_.report->format = "toro";
+  if (options_.report && isToro()) options_.report->format = "toro";
   if (graph_.vertexCount() == 0 && graph_.edgeCount() == 0) {
     throw ParseError(source_.name, 0, 0, "the file holds no vertex and no edge");
   }
   return std::move(graph_);
+}
+
+/// Whether every vertex and edge is one of TORO's. Landmarks have no line of their own there, or g2o's.
+bool G2oLoader::isToro() const {
+  bool toro = false;
+  const TagEntry* const landmark = tags_.find("VERTEX_XY");
+  for (const G2oChunk& chunk : chunks_) {
+    for (const G2oLine& line : chunk.lines) {
+      if (line.kind > LineKind::edge || line.entry == landmark) continue;
+      if (!line.entry->toro) return false;
+      toro = true;
+    }
+  }
+  return toro;
 }
 
 void G2oLoader::index() {
@@ -166,6 +183,7 @@ ParseError G2oLoader::edgeError(const G2oLine& line, std::span<const std::int64_
                                 const std::string& message) const {
   const EdgeType& type = *graph_.registry()->edgeTypes()[static_cast<std::size_t>(line.entry->type)];
   const std::size_t vertices = ids.size() - static_cast<std::size_t>(line.entry->parameters);
+  const std::string_view tag = source_.tokenAt(line.begin);
   const auto at = [&](std::size_t i, const std::string& text) {
     const bool afterBars = i >= vertices && line.entry->variableArity;
     return source_.error(source_.tokenPlace(line.begin, static_cast<int>(i) + (afterBars ? 2 : 1)), text);
@@ -173,14 +191,14 @@ ParseError G2oLoader::edgeError(const G2oLine& line, std::span<const std::int64_
   std::unordered_set<std::int64_t> seen;
   for (std::size_t i = 0; i < vertices; ++i) {
     const Vertex* vertex = graph_.findVertex(ids[i]);
-    if (!vertex) return at(i, fmt::format("{} names vertex {}, which is not in the file", type.tag(), ids[i]));
-    if (!seen.insert(ids[i]).second) return at(i, fmt::format("{} names vertex {} twice", type.tag(), ids[i]));
+    if (!vertex) return at(i, fmt::format("{} names vertex {}, which is not in the file", tag, ids[i]));
+    if (!seen.insert(ids[i]).second) return at(i, fmt::format("{} names vertex {} twice", tag, ids[i]));
     if (graph_.typeOf(*vertex).cppName() != type.vertexTypeName(static_cast<int>(i))) return at(i, message);
   }
   const std::vector<std::string_view> wanted = type.parameterTypeNames();
   for (std::size_t i = vertices; i < ids.size(); ++i) {
     const Parameter* parameter = graph_.findParameter(ids[i]);
-    if (!parameter) return at(i, fmt::format("{} names parameter {}, which is not in the file", type.tag(), ids[i]));
+    if (!parameter) return at(i, fmt::format("{} names parameter {}, which is not in the file", tag, ids[i]));
     if (graph_.typeOf(*parameter).cppName() != wanted[i - vertices]) return at(i, message);
   }
   return source_.error(line.begin, message);
@@ -214,7 +232,7 @@ void G2oLoader::readChunk(const G2oChunk& chunk, FieldPass& pass) const {
 void G2oLoader::readElement(const G2oLine& line, void* element, FieldPass& pass) const {
   const Registry& registry = *graph_.registry();
   const auto index = static_cast<std::size_t>(line.entry->type);
-  G2oFieldReader reader(source_, tags_.elementType(*line.entry), line.fields);
+  G2oFieldReader reader(source_, tags_.elementType(*line.entry), line.begin, line.fields);
   try {
     if (line.kind == LineKind::parameter) {
       registry.parameterTypes()[index]->read(reader, *static_cast<Parameter*>(element));
@@ -229,8 +247,13 @@ void G2oLoader::readElement(const G2oLine& line, void* element, FieldPass& pass)
       Edge& edge = *static_cast<Edge*>(element);
       if (type.errorDimension() == Dynamic) refuseHopeless(line);
       type.read(reader, edge);
-      if (type.hasInformationField())
+      if (type.hasInformationField()) {
         readInformation(type, edge, line.entry->dialect == LineDialect::toro, reader, pass);
+      } else {
+        const std::span<const double> made = type.information(edge);
+        pass.triangle.assign(made.begin(), made.end());
+        checkInformation(type, edge, line.fields, pass);
+      }
       type.readTail(reader, edge);
     }
   } catch (const ParseError&) {
@@ -260,14 +283,19 @@ void G2oLoader::refuseHopeless(const G2oLine& line) const {
 void G2oLoader::readInformation(const EdgeType& type, Edge& edge, bool toro, G2oFieldReader& reader,
                                 FieldPass& pass) const {
   const int fixed = type.errorDimension();
-  const int dimension = reader.information(fixed != Dynamic ? fixed : type.errorDimension(edge), pass.triangle);
+  reader.information(fixed != Dynamic ? fixed : type.errorDimension(edge), pass.triangle);
   if (toro) reorderToro(pass.triangle);
+  checkInformation(type, edge, reader.informationPlace(), pass);
+}
+
+void G2oLoader::checkInformation(const EdgeType& type, Edge& edge, const char* place, FieldPass& pass) const {
+  const int dimension = triangleDimension(pass.triangle.size());
   if (!pass.check.accepts(pass.triangle, dimension)) {
     if (options_.information == InformationPolicy::clamp) {
       clampInformation(pass.triangle, dimension);
       ++pass.clamped;
     } else if (pass.refused++ == 0) {
-      pass.firstRefused = reader.informationPlace();
+      pass.firstRefused = place;
       pass.firstRange = eigenvalueRange(pass.triangle, dimension);
     }
   }

@@ -32,6 +32,7 @@ class G2oLoader {
   };
 
   void index();
+  bool isToro() const;
   void addElements();
   void addVertices();
   void addEdges();
@@ -40,6 +41,8 @@ class G2oLoader {
   void readChunk(const G2oChunk& chunk, FieldPass& pass) const;
   void readElement(const G2oLine& line, void* element, FieldPass& pass) const;
   void readInformation(const EdgeType& type, Edge& edge, bool toro, G2oFieldReader& reader, FieldPass& pass) const;
+  /// Sets pass.triangle as the edge's information, if it is one; otherwise mends it or counts it, as the options say.
+  void checkInformation(const EdgeType& type, Edge& edge, const char* place, FieldPass& pass) const;
   void refuseHopeless(const G2oLine& line) const;
   void refuseInformation(const std::vector<FieldPass>& passes) const;
   /// Throws the first error in the fields of the lines before `line`, which counts from 1, if there is one.

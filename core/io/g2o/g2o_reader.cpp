@@ -2,6 +2,7 @@
 
 #include <quiver/core/io/bal/bal_format.h>
 #include <quiver/core/io/bal/bal_reader.h>
+#include <quiver/core/io/csv/csv_text.h>
 #include <quiver/core/io/files/input_file.h>
 #include <quiver/core/io/g2o/g2o_loader.h>
 
@@ -24,6 +25,12 @@ Graph readGraphText(std::string_view text, const std::string& name, std::shared_
     options.report->storedBytes = options.report->textBytes = static_cast<std::int64_t>(text.size());
   }
   if (detail::looksLikeBal(text)) return detail::loadBal(source, std::move(registry), options);
+  if (detail::looksLikeCsv(text)) {
+    const std::string lines = detail::linesOfCsv(source);
+    Graph graph = detail::G2oLoader({lines, name}, std::move(registry), options).load();
+    if (options.report) options.report->format = "csv";
+    return graph;
+  }
   return detail::G2oLoader(source, std::move(registry), options).load();
 }
 

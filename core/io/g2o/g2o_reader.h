@@ -21,7 +21,7 @@ enum class InformationPolicy { check, clamp };
 
 /// What reading found out beside the graph.
 struct ReadReport {
-  /// "g2o", "toro" or "bal".
+  /// "g2o", "toro", "csv" or "bal". A file is TORO's if all its tags are.
   std::string format;
   /// Size of the file before and after inflating.
   std::int64_t storedBytes = 0;
@@ -41,8 +41,8 @@ struct ReadOptions {
   ReadReport* report = nullptr;
 };
 
-/// Reads a graph from a .g2o or planar TORO file or from one of "bundle adjustment in the large" (BAL), told apart by
-/// their text; plain, gzip or bzip2; "-" is standard input.
+/// Reads a graph from a .g2o or TORO file, a table (CSV) or a file of "bundle adjustment in the large" (BAL), told
+/// apart by their text; plain, gzip or bzip2; "-" is standard input.
 ///
 /// Lines may come in any order: edges before vertices, FIX and parameters anywhere. A file without vertex lines gets
 /// vertices without an estimate, of the types its edges join. Comments stay with the element that follows them, data

@@ -8,10 +8,11 @@
 
 #include <fmt/format.h>
 
-#include <quiver/core/io/bal/bal_format.h>
 #include <quiver/core/io/bal/bal_writer.h>
+#include <quiver/core/io/csv/csv_writer.h>
 #include <quiver/core/io/files/output_file.h>
 #include <quiver/core/io/text/number_writer.h>
+#include <quiver/core/io/toro/toro_writer.h>
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/parallel.h>
 
@@ -34,8 +35,8 @@ struct Item {
 
 class ElementWriter final : public FieldWriter {
  public:
-  ElementWriter(const Graph& graph, bool annotations, NumberWriter& out)
-      : graph_(graph), annotations_(annotations), out_(out) {}
+  ElementWriter(const Graph& graph, const WriteOptions& options, NumberWriter& out)
+      : graph_(graph), annotations_(options.annotations), toro_(options.format == GraphFormat::toro), out_(out) {}
 
   void real(double value) override {
     if (!std::isfinite(value)) throw GraphError(fmt::format("{} holds the value {}, which no file can", what_, value));
@@ -79,6 +80,7 @@ class ElementWriter final : public FieldWriter {
   }
 
  private:
+  std::string_view tag(const ElementType& type) const { return toro_ ? detail::toroTag(type.tag()) : type.tag(); }
   const Attachment* begin(const void* element) {
     const Attachment* attachment = graph_.findAttachment(element);
     if (attachment) lines(attachment->before);
@@ -105,7 +107,7 @@ class ElementWriter final : public FieldWriter {
     what_ = fmt::format("vertex {} ({})", vertex.id(), type.tag());
     const Attachment* attachment = begin(&vertex);
     if (!vertex.hasEstimate()) out_.text("#quiver vertex ");
-    out_.text(type.tag());
+    out_.text(tag(type));
     integer(vertex.id());
     if (vertex.hasEstimate()) type.write(vertex, *this);
     endLine(attachment);
@@ -127,13 +129,17 @@ class ElementWriter final : public FieldWriter {
     what_ = type.tag();
     for (const std::int64_t id : edge.vertexIds()) what_ += fmt::format(" {}", id);
     const Attachment* attachment = begin(&edge);
-    out_.text(type.tag());
+    out_.text(tag(type));
     for (const std::int64_t id : edge.vertexIds()) integer(id);
     if (type.variableArity()) out_.text(" ||");
     for (const std::int64_t id : edge.parameterIds()) integer(id);
-    type.write(edge, *this);
-    if (type.hasInformationField()) reals(type.information(edge));
-    type.writeTail(edge, *this);
+    if (toro_) {
+      detail::writeToroEdge(type, edge, *this);
+    } else {
+      type.write(edge, *this);
+      if (type.hasInformationField()) reals(type.information(edge));
+      type.writeTail(edge, *this);
+    }
     out_.character('\n');
     if (annotations_) writeMarks(edge);
     if (attachment) lines(attachment->after);
@@ -156,6 +162,7 @@ class ElementWriter final : public FieldWriter {
 
   const Graph& graph_;
   bool annotations_;
+  bool toro_;
   NumberWriter& out_;
   /// The element being written, for messages.
   std::string what_;
@@ -186,7 +193,7 @@ class G2oWriter {
 
   void run() {
     NumberWriter text;
-    ElementWriter writer(graph_, options_.annotations, text);
+    ElementWriter writer(graph_, options_, text);
     writer.lines(graph_.fileAttachment().before);
     sink_(text.view());
     writeItems(collect());
@@ -226,7 +233,7 @@ class G2oWriter {
         const auto t = static_cast<std::size_t>(task);
         const std::size_t begin = first + t * itemsPerTask;
         texts[t].clear();
-        ElementWriter writer(graph_, options_.annotations, texts[t]);
+        ElementWriter writer(graph_, options_, texts[t]);
         try {
           for (std::size_t i = begin; i < std::min(begin + itemsPerTask, items.size()); ++i) writer.write(items[i]);
         } catch (const GraphError& error) {
@@ -248,28 +255,38 @@ class G2oWriter {
   FunctionRef<void(std::string_view)> sink_;
 };
 
+void writeLines(const Graph& graph, const WriteOptions& options, FunctionRef<void(std::string_view)> sink) {
+  if (options.format == GraphFormat::bal) return detail::writeBal(graph, options.threads, sink);
+  if (options.format != GraphFormat::csv) return G2oWriter(graph, options, sink).run();
+  detail::CsvWriter table(*graph.registry(), sink);
+  const auto rows = [&](std::string_view lines) { table.write(lines); };
+  G2oWriter(graph, options, rows).run();
+}
+
 }  // namespace
 
 void writeGraph(const std::string& path, const Graph& graph, const WriteOptions& options) {
-  checkFormat(path, graph);
+  WriteOptions chosen = options;
+  chosen.format = options.format.value_or(formatOfPath(path));
+  checkFormat(*chosen.format, graph);
   OutputFile file(path);
-  auto sink = [&](std::string_view text) { file.write(text); };
-  if (detail::isBalPath(path)) {
-    detail::writeBal(graph, options.threads, sink);
-  } else {
-    G2oWriter(graph, options, sink).run();
-  }
+  const auto sink = [&](std::string_view text) { file.write(text); };
+  writeLines(graph, chosen, sink);
   file.commit();
 }
 
-void checkFormat(const std::string& path, const Graph& graph) {
-  if (detail::isBalPath(path)) detail::checkBal(graph);
+void checkFormat(GraphFormat format, const Graph& graph) {
+  if (format == GraphFormat::bal) detail::checkBal(graph);
+  if (format == GraphFormat::toro) detail::checkToro(graph);
 }
 
+void checkFormat(const std::string& path, const Graph& graph) { checkFormat(formatOfPath(path), graph); }
+
 std::string graphText(const Graph& graph, const WriteOptions& options) {
+  if (options.format) checkFormat(*options.format, graph);
   std::string result;
-  auto sink = [&](std::string_view text) { result += text; };
-  G2oWriter(graph, options, sink).run();
+  const auto sink = [&](std::string_view text) { result += text; };
+  writeLines(graph, options, sink);
   return result;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <quiver/core/graph/graph.h>
+#include <quiver/core/io/files/graph_format.h>
 
 namespace quiver {
 
@@ -12,6 +14,8 @@ struct WriteOptions {
   bool annotations = true;
   /// At most so many threads; 0: as many as the machine offers. The bytes are the same for any number.
   int threads = 0;
+  /// As the name of the file asks for if there is none (see formatOfPath).
+  std::optional<GraphFormat> format = {};
 };
 
 /// Writes a graph as a .g2o file: parameters and vertices by id, each vertex followed by its data lines and FIX, then
@@ -31,14 +35,19 @@ struct WriteOptions {
 /// holds cameras, points and pixels alone: ids become 0, 1, …, comments and data lines are left out, and kernels,
 /// levels or fixed vertices are refused.
 ///
+/// A name that ends in .graph or .toro, compressed or not, asks for TORO's format: VERTEX2, EDGE2, BR, VERTEX3 and
+/// EDGE3; graphs with other types are refused. One that ends in .csv asks for a table: the lines of .g2o with commas,
+/// and before the first of each type a row with the names of its fields.
+///
 /// Throws FileError if the file cannot be written, GraphError if a number is not finite or the format cannot hold the
 /// graph. O(size).
 void writeGraph(const std::string& path, const Graph& graph, const WriteOptions& options = {});
 
-/// Throws GraphError if the format that the name asks for cannot hold the graph: to be asked before long work. O(size).
+/// Throws GraphError if the format cannot hold the graph: to be asked before long work. O(size).
+void checkFormat(GraphFormat format, const Graph& graph);
 void checkFormat(const std::string& path, const Graph& graph);
 
-/// What writeGraph() writes as .g2o.
+/// What writeGraph() writes; .g2o where options.format is empty.
 std::string graphText(const Graph& graph, const WriteOptions& options = {});
 
 }  // namespace quiver

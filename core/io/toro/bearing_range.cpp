@@ -1,5 +1,6 @@
 #include <quiver/core/io/toro/bearing_range.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -32,6 +33,20 @@ class ComputedFields final : public FieldReader {
   const FieldReader& line_;
 };
 
+/// Keeps the two numbers of a place.
+class PlaceWriter final : public FieldWriter {
+ public:
+  void real(double value) override {
+    if (count < 2) place[count] = value;
+    ++count;
+  }
+  void integer(std::int64_t) override { count = 3; }
+  void word(std::string_view) override { count = 3; }
+
+  std::array<double, 2> place{};
+  std::size_t count = 0;
+};
+
 double positive(FieldReader& reader, const char* message) {
   const double value = reader.real();
   if (!(value > 0.0)) reader.fail(message);
@@ -58,6 +73,23 @@ void readBearingRange(const EdgeType& type, FieldReader& reader, Edge& edge) {
     if (!std::isfinite(value)) reader.fail("these standard deviations give an infinite information");
   }
   type.setInformation(edge, information);
+}
+
+std::optional<BearingRange> bearingRangeOf(const EdgeType& type, const Edge& edge) {
+  PlaceWriter writer;
+  type.write(edge, writer);
+  const std::span<const double> I = type.information(edge);
+  const double range = std::hypot(writer.place[0], writer.place[1]);
+  if (writer.count != 2 || I.size() != 3 || !(range > 0.0)) return std::nullopt;
+  const double c = writer.place[0] / range;
+  const double s = writer.place[1] / range;
+  const double along = I[0] * c * c + 2.0 * I[1] * c * s + I[2] * s * s;
+  const double across = I[0] * s * s - 2.0 * I[1] * c * s + I[2] * c * c;
+  const double mixed = (I[2] - I[0]) * c * s + I[1] * (c * c - s * s);
+  constexpr double rounding = 1e-9;
+  if (!(along > 0.0) || !(across > 0.0) || std::abs(mixed) > rounding * std::max(along, across)) return std::nullopt;
+  return BearingRange{std::atan2(writer.place[1], writer.place[0]), range, 1.0 / (range * std::sqrt(across)),
+                      1.0 / std::sqrt(along)};
 }
 
 }  // namespace quiver::detail

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <quiver/core/registry/element_types.h>
 
 namespace quiver::detail {
@@ -9,5 +11,16 @@ namespace quiver::detail {
 /// is that of z to first order: 1/σr² along the line of sight, 1/(r σβ)² across it. Throws ParseError unless r, σβ and
 /// σr are positive.
 void readBearingRange(const EdgeType& type, FieldReader& reader, Edge& edge);
+
+struct BearingRange {
+  double bearing = 0.0;
+  double range = 0.0;
+  double bearingDeviation = 0.0;
+  double rangeDeviation = 0.0;
+};
+
+/// The inverse, to rounding; nothing if the place is the pose's, or if the information is not that of a bearing and a
+/// range that do not depend on each other.
+std::optional<BearingRange> bearingRangeOf(const EdgeType& type, const Edge& edge);
 
 }  // namespace quiver::detail
