@@ -1,12 +1,16 @@
 #include <algorithm>
-#include <optional>
+#include <bit>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <quiver/apps/commands.h>
+#include <quiver/apps/info/bridges.h>
 #include <quiver/apps/info/graph_survey.h>
+#include <quiver/apps/info/info_text.h>
+#include <quiver/apps/info/loose_vertices.h>
+#include <quiver/apps/info/residual_survey.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/initial_guess.h>
 #include <quiver/apps/support/log_dialect.h>
@@ -48,37 +52,72 @@ Json describeSurvey(const GraphSurvey& survey) {
   return json;
 }
 
-Json describeChi2(Graph& graph, int worst) {
-  std::vector<EdgeChi2> edges = evaluateEdges(graph);
-  double chi2 = 0.0;
-  double cost = 0.0;
-  for (const EdgeChi2& edge : edges) {
-    chi2 += edge.chi2;
-    cost += edge.cost;
-  }
-  std::stable_sort(edges.begin(), edges.end(), [](const auto& a, const auto& b) { return a.chi2 > b.chi2; });
-  Json json{{"chi2", chi2}, {"cost", cost}};
-  json["worst_edges"] = Json::array();
-  for (std::size_t i = 0; i < edges.size() && i < static_cast<std::size_t>(worst); ++i) {
-    const Edge& edge = *edges[i].edge;
-    json["worst_edges"].push_back(
-        {{"type", graph.typeOf(edge).tag()}, {"vertices", edge.vertexIds()}, {"chi2", edges[i].chi2}});
+Json describeEdge(const Graph& graph, const Edge& edge) {
+  return {{"type", graph.typeOf(edge).tag()}, {"vertices", edge.vertexIds()}};
+}
+
+Json describeConnections(const Graph& graph) {
+  const Connections connections = findBridges(graph);
+  Json json{{"independent_cycles", connections.independentCycles}, {"bridges", Json::array()}};
+  for (const Bridge& bridge : connections.bridges) {
+    json["bridges"].push_back(describeEdge(graph, *bridge.edge));
+    json["bridges"].back()["cut_off"] = bridge.cutOff;
   }
   return json;
 }
 
-Json describeGauge(Graph& graph) {
+Json describeProbabilities(const Graph& graph, const std::vector<EdgeProbability>& edges) {
   Json json = Json::array();
-  const Problem problem(graph, {.level = -1, .free = {}, .threads = 1});
-  if (problem.variables() == 0) return json;
-  for (const ComponentGauge& gauge : findGauges(problem)) {
-    json.push_back({{"vertices", gauge.variables.size()},
-                    {"free_directions", gauge.free},
-                    {"tested", gauge.tested},
-                    {"anchor", gauge.anchor < 0 ? Json(nullptr)
-                                                : Json(problem.vertex(problem.slotOfVariable(gauge.anchor)).id())}});
+  for (const EdgeProbability& edge : edges) {
+    json.push_back(describeEdge(graph, *edge.edge));
+    json.back().update({{"chi2", edge.chi2}, {"dimension", edge.dimension}, {"p_value", edge.pValue}});
   }
   return json;
+}
+
+Json describeResiduals(Graph& graph, std::int64_t determined, int worst) {
+  const ResidualSurvey survey = surveyResiduals(graph, determined, worst);
+  Json json{{"chi2", survey.chi2}, {"cost", survey.cost}};
+  json["worst_edges"] = describeProbabilities(graph, survey.worst);
+  json["redundancy"] = {{"measured", survey.measured},
+                        {"determined", survey.determined},
+                        {"degrees_of_freedom", survey.degreesOfFreedom},
+                        {"p_value", survey.pValue}};
+  json["gates"] = Json::array();
+  for (const Gate& gate : survey.gates)
+    json["gates"].push_back({{"probability", gate.probability}, {"beyond", gate.beyond}, {"expected", gate.expected}});
+  json["suspects_judged"] = survey.judged;
+  json["suspects"] = describeProbabilities(graph, survey.suspects);
+  return json;
+}
+
+Json describeFreedom(const Graph& graph, const Problem& problem) {
+  Json json{{"gauge", Json::array()}, {"unconstrained", Json::array()}};
+  if (problem.variables() == 0) return json;
+  for (const ComponentGauge& gauge : findGauges(problem)) {
+    json["gauge"].push_back(
+        {{"vertices", gauge.variables.size()},
+         {"free_directions", gauge.free},
+         {"tested", gauge.tested},
+         {"anchor",
+          gauge.anchor < 0 ? Json(nullptr) : Json(problem.vertex(problem.slotOfVariable(gauge.anchor)).id())}});
+  }
+  for (const LooseVertex& loose : findLooseVertices(problem)) {
+    json["unconstrained"].push_back({{"vertex", loose.vertex->id()},
+                                     {"type", graph.typeOf(*loose.vertex).tag()},
+                                     {"directions", loose.directions}});
+  }
+  return json;
+}
+
+/// Unknown numbers less those that nothing determines.
+std::int64_t determinedNumbers(const Problem& problem, const Json& freedom) {
+  std::int64_t count = 0;
+  for (int v = 0; v < problem.variables(); ++v)
+    count += problem.dimension(v) - std::popcount(problem.heldDirections(v));
+  for (const Json& gauge : freedom["gauge"]) count -= gauge["free_directions"].get<std::int64_t>();
+  for (const Json& loose : freedom["unconstrained"]) count -= static_cast<std::int64_t>(loose["directions"].size());
+  return count;
 }
 
 /// What `optimize` would decide: it is asked to, and to take no step.
@@ -108,66 +147,6 @@ Json describePlan(Graph graph, int threads) {
           {"bytes", plan.bytes}};
 }
 
-std::string countsOf(const Json& counts) {
-  std::string text;
-  for (const auto& [tag, count] : counts.items())
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count.get<std::int64_t>(), tag);
-  return text.empty() ? "none" : text;
-}
-
-/// The first few entries of a list, and how many more there are.
-std::string firstOf(const Json& list) {
-  constexpr std::size_t shown = 8;
-  std::string text;
-  for (std::size_t i = 0; i < list.size() && i < shown; ++i)
-    text += fmt::format("{}{}", i == 0 ? "" : ", ", list[i].is_string() ? list[i].get<std::string>() : list[i].dump());
-  if (list.size() > shown) text += fmt::format(" and {} more", list.size() - shown);
-  return text;
-}
-
-std::string degreesOf(const Json& degrees) {
-  std::int64_t vertices = 0;
-  std::int64_t ends = 0;
-  std::int64_t least = -1;
-  std::int64_t most = 0;
-  for (const auto& [text, count] : degrees.items()) {
-    const std::int64_t degree = std::stoll(text);
-    if (least < 0) least = degree;
-    most = std::max(most, degree);
-    vertices += count.get<std::int64_t>();
-    ends += degree * count.get<std::int64_t>();
-  }
-  if (vertices == 0) return "no vertices";
-  return fmt::format("{} to {}, {:.2f} on average", least, most,
-                     static_cast<double>(ends) / static_cast<double>(vertices));
-}
-
-void printLine(const char* name, const std::string& text) { fmt::print("{:<12} {}\n", name, text); }
-
-void printStructure(const Json& json) {
-  const Json& input = json["input"];
-  printLine("file", fmt::format("{} ({}, {} bytes)", input["file"].get<std::string>(),
-                                input["format"].get<std::string>(), input["bytes"].get<std::int64_t>()));
-  printLine("vertices", countsOf(input["vertices"]));
-  printLine("edges", countsOf(input["edges"]));
-  if (!json["parameters"].empty()) printLine("parameters", countsOf(json["parameters"]));
-  printLine("fixed", fmt::format("{}, in part {}", json["fixed"].get<int>(), json["partly_fixed"].get<int>()));
-  printLine("components", fmt::format("{}, the largest of {} vertices", json["components"].get<std::int64_t>(),
-                                      json["largest_component"].get<std::int64_t>()));
-  printLine("degrees", degreesOf(json["degrees"]));
-  if (!json["kernels"].empty()) printLine("kernels", countsOf(json["kernels"]));
-  if (json["levels"].size() > 1) printLine("levels", countsOf(json["levels"]));
-  const auto list = [&json](const char* key, const char* name) {
-    if (!json[key].empty()) printLine(name, fmt::format("{}: {}", json[key].size(), firstOf(json[key])));
-  };
-  list("isolated", "isolated");
-  list("without_estimate", "no estimate");
-  list("zero_information", "zero weight");
-  if (json["parallel_edges"].get<std::int64_t>() > 0)
-    printLine("parallel", fmt::format("{} edges join the same vertices as another one", json["parallel_edges"].dump()));
-  printLine("information", json["information"].get<std::string>());
-}
-
 /// Nothing where no camera sees anything.
 Json describeDepth(const Graph& graph) {
   const DepthSurvey survey = surveyDepth(graph);
@@ -181,36 +160,6 @@ Json describeDepth(const Graph& graph) {
   return json;
 }
 
-void printNumbers(const Json& json) {
-  if (json.contains("depth") && json["depth"]["behind_camera"].get<std::int64_t>() > 0) {
-    const Json& depth = json["depth"];
-    printLine("depth", fmt::format("{} of {} observations are of points behind their camera, the first {} {}",
-                                   depth["behind_camera"].dump(), depth["observations"].dump(),
-                                   depth["first"]["type"].get<std::string>(), depth["first"]["vertices"].dump()));
-  }
-  if (json["chi2"].is_null()) {
-    printLine("chi2", "unknown: vertices have no estimate");
-  } else {
-    printLine("chi2", fmt::format("{:.10g}, cost {:.10g}", json["chi2"].get<double>(), json["cost"].get<double>()));
-    for (const Json& edge : json["worst_edges"]) {
-      std::string ids;
-      for (const Json& id : edge["vertices"]) ids += " " + id.dump();
-      printLine("", fmt::format("{:>16.6g}  {}{}", edge["chi2"].get<double>(), edge["type"].get<std::string>(), ids));
-    }
-  }
-  for (const Json& gauge : json["gauge"]) {
-    printLine("gauge",
-              fmt::format("{} free directions in a component of {} unknown vertices{}", gauge["free_directions"].dump(),
-                          gauge["vertices"].dump(), gauge["tested"].get<bool>() ? "" : " (not all could be tested)"));
-  }
-  if (!json.contains("plan")) return;
-  fmt::print("plan\n");
-  for (const auto& [key, value] : json["plan"].items()) {
-    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-    if (!text.empty()) fmt::print("  {:<22} {}\n", key, text);
-  }
-}
-
 void info(const Flags& flags) {
   checkOutputs({flags.json});
   LoadedGraph loaded = loadGraph(flags.source);
@@ -222,12 +171,15 @@ void info(const Flags& flags) {
   Graph& graph = loaded.graph;
   const GraphSurvey survey = surveyGraph(graph);
   json.update(describeSurvey(survey));
+  json.update(describeConnections(graph));
   json["information"] = loaded.report.clampedInformation == 0
                             ? "every matrix is finite, symmetric and positive semi-definite"
                             : fmt::format("{} matrices were repaired", loaded.report.clampedInformation);
   if (survey.withoutEstimate.empty()) {
-    json.update(describeChi2(graph, flags.worst));
-    json["gauge"] = describeGauge(graph);
+    const Problem problem(graph, {.level = -1, .free = {}, .threads = flags.source.threads});
+    const Json freedom = describeFreedom(graph, problem);
+    json.update(describeResiduals(graph, determinedNumbers(problem, freedom), flags.worst));
+    json.update(freedom);
   } else {
     json.update(Json{{"chi2", nullptr}, {"cost", nullptr}, {"worst_edges", Json::array()}, {"gauge", Json::array()}});
   }
@@ -235,8 +187,7 @@ void info(const Flags& flags) {
   if (flags.plan) json["plan"] = describePlan(graph, flags.source.threads);
   if (!flags.json.empty()) saveJson(flags.json, json);
   if (flags.json == "-") return;
-  printStructure(json);
-  printNumbers(json);
+  printInfo(json);
 }
 
 }  // namespace

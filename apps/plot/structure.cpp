@@ -68,30 +68,36 @@ std::vector<std::int64_t> beginsOf(const BlockLayout& layout, const std::vector<
   return begins;
 }
 
-/// A symmetric pattern in the order of its blocks.
-MatrixPicture pictureSymmetric(const std::string& title, const BlockPattern& pattern) {
-  CellCounter counter(title, beginsOf(pattern.layout(), naturalOrdering(pattern.blocks()).order));
+/// A symmetric pattern, its blocks in the given order.
+MatrixPicture pictureSymmetric(const std::string& title, const BlockPattern& pattern, const std::vector<int>& order) {
+  std::vector<int> position(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) position[static_cast<std::size_t>(order[k])] = static_cast<int>(k);
+  const auto place = [&](int block) { return position[static_cast<std::size_t>(block)]; };
+  CellCounter counter(title, beginsOf(pattern.layout(), order));
   for (int column = 0; column < pattern.blocks(); ++column) {
-    counter.add(column, column);
+    counter.add(place(column), place(column));
     for (std::int64_t entry = pattern.columnBegin(column); entry < pattern.columnEnd(column); ++entry) {
       if (pattern.row(entry) == column) continue;
-      counter.add(pattern.row(entry), column);
-      counter.add(column, pattern.row(entry));
+      counter.add(place(pattern.row(entry)), place(column));
+      counter.add(place(column), place(pattern.row(entry)));
     }
   }
   return counter.finish(false);
 }
 
-MatrixPicture pictureFactor(const BlockPattern& pattern) {
+/// What is factorised, before and after its ordering, and its factor.
+void pictureFactorization(const std::string& title, const BlockPattern& pattern, std::vector<MatrixPicture>& pictures) {
   const BlockOrdering ordering = chooseOrdering(pattern);
+  pictures.push_back(pictureSymmetric(title, pattern, naturalOrdering(pattern.blocks()).order));
+  pictures.push_back(pictureSymmetric(fmt::format("the same, ordered ({})", ordering.name), pattern, ordering.order));
   const BlockGraph graph(pattern);
   const FactorPattern factor(graph, ordering.order, EliminationTree(graph, ordering.order));
-  CellCounter counter(fmt::format("Cholesky factor ({})", ordering.name), beginsOf(pattern.layout(), ordering.order));
+  CellCounter counter("its Cholesky factor", beginsOf(pattern.layout(), ordering.order));
   for (int column = 0; column < pattern.blocks(); ++column) {
     counter.add(column, column);
     for (const int row : factor.column(column)) counter.add(row, column);
   }
-  return counter.finish(true);
+  pictures.push_back(counter.finish(true));
 }
 
 /// H with its variables renumbered: position[variable].
@@ -132,16 +138,16 @@ StructurePictures pictureStructure(Graph& graph, const Options& options) {
   StructurePictures pictures;
   pictures.elimination = choice.reason;
   const BlockPattern hessian = hessianPattern(problem, position, BlockLayout(dimensions));
-  pictures.matrices.push_back(pictureSymmetric(choice.count > 0 ? "H, eliminated vertices last" : "H", hessian));
   if (choice.count == 0) {
-    pictures.matrices.push_back(pictureFactor(hessian));
+    pictureFactorization("H", hessian, pictures.matrices);
     return pictures;
   }
+  pictures.matrices.push_back(
+      pictureSymmetric("H, eliminated vertices last", hessian, naturalOrdering(hessian.blocks()).order));
   const EliminationPlan plan(problem, choice.eliminated);
   if (plan.kept() == 0) return pictures;
   const BlockPattern reduced = cliquePattern(plan.keptLayout(), PointNeighbours(plan), directPairs(plan));
-  pictures.matrices.push_back(pictureSymmetric("reduced matrix, who shares landmarks", reduced));
-  pictures.matrices.push_back(pictureFactor(reduced));
+  pictureFactorization("reduced matrix, who shares landmarks", reduced, pictures.matrices);
   return pictures;
 }
 

@@ -28,8 +28,8 @@ struct MatrixPicture {
 };
 
 /// H with the vertices that would be eliminated last, an arrow where there are any; the reduced matrix of those that
-/// remain (for cameras: who sees what together), if any are eliminated; and the factor of what is factorised in the
-/// order that would be chosen.
+/// remain (for cameras: who sees what together), if any are eliminated; what is factorised once more in the order that
+/// would be chosen; and its factor.
 struct StructurePictures {
   std::vector<MatrixPicture> matrices;
   /// What is eliminated and why.

@@ -1,0 +1,173 @@
+#include <quiver/apps/info/info_text.h>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace quiver::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string countsOf(const Json& counts) {
+  std::string text;
+  for (const auto& [tag, count] : counts.items())
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count.get<std::int64_t>(), tag);
+  return text.empty() ? "none" : text;
+}
+
+/// The first few entries of a list, and how many more there are.
+std::string firstOf(const Json& list) {
+  constexpr std::size_t shown = 8;
+  std::string text;
+  for (std::size_t i = 0; i < list.size() && i < shown; ++i)
+    text += fmt::format("{}{}", i == 0 ? "" : ", ", list[i].is_string() ? list[i].get<std::string>() : list[i].dump());
+  if (list.size() > shown) text += fmt::format(" and {} more", list.size() - shown);
+  return text;
+}
+
+std::string degreesOf(const Json& degrees) {
+  std::int64_t vertices = 0;
+  std::int64_t ends = 0;
+  std::int64_t least = -1;
+  std::int64_t most = 0;
+  for (const auto& [text, count] : degrees.items()) {
+    const std::int64_t degree = std::stoll(text);
+    if (least < 0) least = degree;
+    most = std::max(most, degree);
+    vertices += count.get<std::int64_t>();
+    ends += degree * count.get<std::int64_t>();
+  }
+  if (vertices == 0) return "no vertices";
+  return fmt::format("{} to {}, {:.2f} on average", least, most,
+                     static_cast<double>(ends) / static_cast<double>(vertices));
+}
+
+void printLine(const char* name, const std::string& text) { fmt::print("{:<12} {}\n", name, text); }
+
+std::string nameOf(const Json& edge) {
+  std::string text = edge["type"].get<std::string>();
+  for (const Json& id : edge["vertices"]) text += " " + id.dump();
+  return text;
+}
+
+void printBridges(const Json& json) {
+  printLine("cycles", fmt::format("{} independent ones", json["independent_cycles"].dump()));
+  const Json& bridges = json["bridges"];
+  if (bridges.empty()) return;
+  const Json& first = bridges[0];
+  printLine("bridges",
+            fmt::format("{} edges without which a component falls apart; {} cuts off {} {}", bridges.size(),
+                        nameOf(first), first["cut_off"].dump(), first["cut_off"] == 1 ? "vertex" : "vertices"));
+}
+
+void printStructure(const Json& json) {
+  const Json& input = json["input"];
+  printLine("file", fmt::format("{} ({}, {} bytes)", input["file"].get<std::string>(),
+                                input["format"].get<std::string>(), input["bytes"].get<std::int64_t>()));
+  printLine("vertices", countsOf(input["vertices"]));
+  printLine("edges", countsOf(input["edges"]));
+  if (!json["parameters"].empty()) printLine("parameters", countsOf(json["parameters"]));
+  printLine("fixed", fmt::format("{}, in part {}", json["fixed"].get<int>(), json["partly_fixed"].get<int>()));
+  printLine("components", fmt::format("{}, the largest of {} vertices", json["components"].get<std::int64_t>(),
+                                      json["largest_component"].get<std::int64_t>()));
+  printLine("degrees", degreesOf(json["degrees"]));
+  printBridges(json);
+  if (!json["kernels"].empty()) printLine("kernels", countsOf(json["kernels"]));
+  if (json["levels"].size() > 1) printLine("levels", countsOf(json["levels"]));
+  const auto list = [&json](const char* key, const char* name) {
+    if (!json[key].empty()) printLine(name, fmt::format("{}: {}", json[key].size(), firstOf(json[key])));
+  };
+  list("isolated", "isolated");
+  list("without_estimate", "no estimate");
+  list("zero_information", "zero weight");
+  if (json["parallel_edges"].get<std::int64_t>() > 0)
+    printLine("parallel", fmt::format("{} edges join the same vertices as another one", json["parallel_edges"].dump()));
+  printLine("information", json["information"].get<std::string>());
+}
+
+void printEdges(const Json& edges) {
+  for (const Json& edge : edges) {
+    printLine("", fmt::format("{:>16.6g}  p {:<8.2g}  {}", edge["chi2"].get<double>(), edge["p_value"].get<double>(),
+                              nameOf(edge)));
+  }
+}
+
+void printResiduals(const Json& json) {
+  printLine("chi2", fmt::format("{:.10g}, cost {:.10g}", json["chi2"].get<double>(), json["cost"].get<double>()));
+  const Json& redundancy = json["redundancy"];
+  printLine("redundancy", fmt::format("{} numbers measured for {} unknown ones; chi2 is to be about {}, p {:.2g}",
+                                      redundancy["measured"].dump(), redundancy["determined"].dump(),
+                                      redundancy["degrees_of_freedom"].dump(), redundancy["p_value"].get<double>()));
+  std::string gates;
+  for (const Json& gate : json["gates"]) {
+    gates += fmt::format("{}{} beyond {:g} % ({:.4g} expected)", gates.empty() ? "" : ", ", gate["beyond"].dump(),
+                         100.0 * gate["probability"].get<double>(), gate["expected"].get<double>());
+  }
+  printLine("gates", gates);
+  if (!json["worst_edges"].empty()) printLine("worst", "edges by chi2, and how probable more is");
+  printEdges(json["worst_edges"]);
+  constexpr std::size_t shown = 10;
+  const Json& suspects = json["suspects"];
+  if (!json["suspects_judged"].get<bool>()) {
+    printLine("suspects", "not told: too many edges misfit for single ones to stand out; optimise first");
+  } else if (suspects.empty()) {
+    printLine("suspects", "none");
+  } else {
+    printLine("suspects", fmt::format("{} edges that the others contradict{}", suspects.size(),
+                                      suspects.size() > shown ? fmt::format(", the first {}", shown) : ""));
+    Json first = Json::array();
+    for (std::size_t i = 0; i < std::min(shown, suspects.size()); ++i) first.push_back(suspects[i]);
+    printEdges(first);
+  }
+}
+
+void printFreedom(const Json& json) {
+  for (const Json& gauge : json["gauge"]) {
+    printLine("gauge",
+              fmt::format("{} free directions in a component of {} unknown vertices{}", gauge["free_directions"].dump(),
+                          gauge["vertices"].dump(), gauge["tested"].get<bool>() ? "" : " (not all could be tested)"));
+  }
+  if (!json.contains("unconstrained") || json["unconstrained"].empty()) return;
+  constexpr std::size_t shown = 8;
+  const Json& loose = json["unconstrained"];
+  printLine("loose", fmt::format("{} vertices have directions in which no edge holds them", loose.size()));
+  for (std::size_t i = 0; i < std::min(shown, loose.size()); ++i) {
+    std::string directions;
+    for (const Json& direction : loose[i]["directions"])
+      directions += (directions.empty() ? "" : "; ") + direction.get<std::string>();
+    printLine("", fmt::format("{} {}: {}", loose[i]["type"].get<std::string>(), loose[i]["vertex"].dump(), directions));
+  }
+  if (loose.size() > shown) printLine("", fmt::format("and {} more", loose.size() - shown));
+}
+
+void printNumbers(const Json& json) {
+  if (json.contains("depth") && json["depth"]["behind_camera"].get<std::int64_t>() > 0) {
+    const Json& depth = json["depth"];
+    printLine("depth", fmt::format("{} of {} observations are of points behind their camera, the first {} {}",
+                                   depth["behind_camera"].dump(), depth["observations"].dump(),
+                                   depth["first"]["type"].get<std::string>(), depth["first"]["vertices"].dump()));
+  }
+  if (json["chi2"].is_null()) {
+    printLine("chi2", "unknown: vertices have no estimate");
+  } else {
+    printResiduals(json);
+  }
+  printFreedom(json);
+  if (!json.contains("plan")) return;
+  fmt::print("plan\n");
+  for (const auto& [key, value] : json["plan"].items()) {
+    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    if (!text.empty()) fmt::print("  {:<22} {}\n", key, text);
+  }
+}
+
+}  // namespace
+
+void printInfo(const Json& json) {
+  printStructure(json);
+  printNumbers(json);
+}
+
+}  // namespace quiver::app
