@@ -1,6 +1,5 @@
 #include <quiver/solvers/automatic_system.h>
 
-#include <quiver/solvers/elimination/elimination_choice.h>
 #include <quiver/solvers/elimination/schur_system.h>
 #include <quiver/solvers/normal_equations.h>
 
@@ -9,11 +8,16 @@ namespace quiver {
 AutomaticSystem::AutomaticSystem(std::function<std::unique_ptr<LinearSolver>()> make) : make_(std::move(make)) {}
 
 bool AutomaticSystem::eliminates(const Problem& problem, const Options& options) const {
-  return chooseElimination(problem, options).count > 0;
+  choice_ = chooseElimination(problem, options);
+  choiceVariables_ = problem.variables();
+  return choice_->count > 0;
 }
 
 void AutomaticSystem::analyze(const Problem& problem, const Options& options, int threads) {
-  EliminationChoice choice = chooseElimination(problem, options);
+  // Variables that were fixed since make it another problem.
+  EliminationChoice choice =
+      choice_ && choiceVariables_ == problem.variables() ? std::move(*choice_) : chooseElimination(problem, options);
+  choice_.reset();
   eliminates_ = choice.count > 0;
   const std::string reason = choice.reason;
   if (eliminates_) {

@@ -2,9 +2,11 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include <quiver/core/algorithm/linear_system.h>
 #include <quiver/solvers/backends/linear_solver.h>
+#include <quiver/solvers/elimination/elimination_choice.h>
 
 namespace quiver {
 
@@ -37,6 +39,9 @@ class AutomaticSystem final : public LinearSystem {
   std::unique_ptr<LinearSystem> system_;
   bool eliminates_ = false;
   SolvePlan plan_;
+  /// What `eliminates` found, for `analyze`, and the number of variables it found it for.
+  mutable std::optional<EliminationChoice> choice_;
+  mutable int choiceVariables_ = 0;
 };
 
 }  // namespace quiver

@@ -56,8 +56,13 @@ struct Packing<BalCamera<double>> {
   }
   template <class S>
   static BalCamera<S> load(const S* in) {
-    return BalCamera<S>(Packing<Matrix<double, 3, 3>>::load(in), Packing<Vector<double, 3>>::load(in + 9),
-                        Packing<Vector<double, 3>>::load(in + 12));
+    BalCamera<S> camera;
+    QUIVER_UNROLL for (int k = 0; k < 9; ++k) camera.rotation.data()[k] = in[k];
+    QUIVER_UNROLL for (int k = 0; k < 3; ++k) {
+      camera.translation.data()[k] = in[9 + k];
+      camera.intrinsics.data()[k] = in[12 + k];
+    }
+    return camera;
   }
 };
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <quiver/core/algorithm/diagnosis.h>
+#include <quiver/core/util/lane_sums.h>
 
 namespace quiver {
 
@@ -44,9 +45,8 @@ bool Descent::begin() {
 }
 
 double Descent::gradientNorm() const {
-  double largest = 0.0;
-  for (const double value : system_.gradient()) largest = std::max(largest, std::abs(value));
-  return largest;
+  const auto gradient = system_.gradient();
+  return largestInLanes(gradient.size(), [&](std::size_t i) { return std::abs(gradient[i]); });
 }
 
 bool Descent::exhausted() {
@@ -72,8 +72,7 @@ bool Descent::exhausted() {
 CostTotals Descent::tryStep() {
   Stopwatch watch;
   problem_.retract(delta_);
-  double square = 0.0;
-  for (const double value : delta_) square += value * value;
+  const double square = sumInLanes(delta_.size(), [&](std::size_t i) { return delta_[i] * delta_[i]; });
   relativeStep_ = std::sqrt(square) / (problem_.stateNorm() + 1e-10);
   report_.seconds.update += watch.lap();
   const CostTotals trial = problem_.evaluate(problem_.trial());

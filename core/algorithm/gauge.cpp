@@ -4,7 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <span>
 
+#include <quiver/core/util/parallel.h>
+#include <quiver/geometry/scalar/isa.h>
 #include <Eigen/Eigenvalues>
 
 namespace quiver {
@@ -35,12 +38,24 @@ class DisjointSets {
 
 using Generators = Eigen::Matrix<double, gaugeDirections, gaugeDirections>;
 
+/// Generators lie in rows of eight numbers, of which seven count, so that the innermost loops run over whole vectors.
+constexpr int padded = 8;
+static_assert(gaugeDirections <= padded);
+/// Edges a piece, at least; pieces at most.
+constexpr std::int64_t pieceEdges = 4096;
+constexpr std::int64_t mostPieces = 16;
+
 /// Σ (J G)ᵀ(J G) over the edges of a component, and Σ over edges and roles of ‖J_role G‖² per generator, the scale of
 /// the sum; and GᵀG.
 struct Products {
-  Generators square = Generators::Zero();
+  std::array<double, gaugeDirections * padded> square{};
+  std::array<double, padded> scale{};
   Generators gram = Generators::Zero();
-  Eigen::Matrix<double, gaugeDirections, 1> scale = Eigen::Matrix<double, gaugeDirections, 1>::Zero();
+
+  void add(const Products& other) {
+    for (std::size_t i = 0; i < square.size(); ++i) square[i] += other.square[i];
+    for (std::size_t i = 0; i < scale.size(); ++i) scale[i] += other.scale[i];
+  }
 };
 
 std::vector<ComponentGauge> components(const Problem& problem, std::vector<int>& componentOf) {
@@ -88,75 +103,118 @@ int findAnchor(const Problem& problem, const std::vector<int>& variables) {
   return anchor;
 }
 
-/// Generators of every slot, row-major dimension × gaugeDirections; empty for fixed slots and for types that supply
-/// none.
+/// Generators of every slot, dimension rows of eight; none for fixed slots and for types that supply none.
 std::vector<double> slotGenerators(const Problem& problem, std::vector<std::int64_t>& begin,
                                    const std::vector<int>& componentOf, std::vector<ComponentGauge>& gauges) {
   std::vector<double> all;
+  std::vector<double> own;
   begin.assign(static_cast<std::size_t>(problem.slots()), -1);
   for (int slot = 0; slot < problem.slots(); ++slot) {
     const int variable = problem.variableOfSlot(slot);
     if (variable < 0) continue;
     const int dimension = problem.dimension(variable);
     const auto at = static_cast<std::int64_t>(all.size());
-    all.resize(all.size() + static_cast<std::size_t>(dimension * gaugeDirections), 0.0);
-    if (!problem.vertexType(slot).gaugeGenerators(problem.state().record(slot), all.data() + at)) {
+    own.assign(static_cast<std::size_t>(dimension * gaugeDirections), 0.0);
+    if (!problem.vertexType(slot).gaugeGenerators(problem.state().record(slot), own.data())) {
       gauges[static_cast<std::size_t>(componentOf[static_cast<std::size_t>(variable)])].tested = false;
-      all.resize(static_cast<std::size_t>(at));
       continue;
     }
+    all.resize(all.size() + static_cast<std::size_t>(dimension * padded), 0.0);
     const std::uint64_t held = problem.heldDirections(variable);
-    for (int r = 0; held != 0 && r < dimension && r < 64; ++r) {
-      if (held >> r & 1) std::fill_n(all.data() + at + r * gaugeDirections, static_cast<int>(gaugeDirections), 0.0);
+    for (int r = 0; r < dimension; ++r) {
+      if (r < 64 && (held >> r & 1) != 0) continue;
+      std::copy_n(own.data() + r * gaugeDirections, static_cast<int>(gaugeDirections), all.data() + at + r * padded);
     }
     begin[static_cast<std::size_t>(slot)] = at;
   }
   return all;
 }
 
-/// Adds one edge's J G to its component. `scratch` is memory for twice rows × padded numbers; rows of eight, of which
-/// seven count, so that the innermost loops run over whole vectors.
-void addEdge(const Problem& problem, const EdgeBatch& batch, int edge, int place, const EdgeShape& shape,
-             const Panel& panel, const std::vector<std::int64_t>& begin, const std::vector<double>& generators,
-             const std::vector<int>& componentOf, std::vector<double>& scratch, std::vector<Products>& products) {
-  constexpr int padded = 8;
-  static_assert(gaugeDirections <= padded);
-  const auto slots = batch.slots(edge);
-  const auto numbers = static_cast<std::size_t>(shape.rows * padded);
-  scratch.assign(2 * numbers, 0.0);
-  double* moved = scratch.data();
-  double* part = moved + numbers;
-  Products* target = nullptr;
-  for (std::size_t role = 0; role < slots.size(); ++role) {
-    const std::int64_t at = begin[static_cast<std::size_t>(slots[role])];
-    if (at < 0) continue;
-    target =
-        &products[static_cast<std::size_t>(componentOf[static_cast<std::size_t>(problem.variableOfSlot(slots[role]))])];
-    const int columns = shape.columns[role];
-    const double* J = panel.jacobian[role] + std::int64_t{place / Panel::lanes} * columns * shape.rows * Panel::lanes +
-                      place % Panel::lanes;
-    std::fill_n(part, numbers, 0.0);
-    for (int c = 0; c < columns; ++c) {
-      double g[padded] = {};
-      std::copy_n(generators.data() + at + c * gaugeDirections, static_cast<int>(gaugeDirections), g);
-      for (int r = 0; r < shape.rows; ++r) {
-        const double j = J[(c * shape.rows + r) * Panel::lanes];
-        for (int k = 0; k < padded; ++k) part[r * padded + k] += j * g[k];
-      }
+/// What adding edges reads.
+struct EdgeSource {
+  const Problem& problem;
+  const std::vector<std::int64_t>& begin;
+  const std::vector<double>& generators;
+  const std::vector<int>& componentOf;
+};
+
+/// part ← J G, rows × 8.
+[[gnu::always_inline]] inline void multiplyBlock(const double* J, const double* generators, int rows, int columns,
+                                                 double* part) {
+  for (int k = 0; k < rows * padded; ++k) part[k] = 0.0;
+  for (int c = 0; c < columns; ++c) {
+    const double* g = generators + c * padded;
+    for (int r = 0; r < rows; ++r) {
+      const double j = J[(c * rows + r) * Panel::lanes];
+      for (int k = 0; k < padded; ++k) part[r * padded + k] += j * g[k];
     }
-    for (int r = 0; r < shape.rows; ++r) {
-      for (int k = 0; k < gaugeDirections; ++k) {
-        const double value = part[r * padded + k];
-        moved[r * padded + k] += value;
-        target->scale[k] += value * value;
+  }
+}
+
+/// Adds the J G of edges first … first + count − 1, which lie in the panel, to their components. `scratch` is memory
+/// for twice rows × 8 numbers.
+[[gnu::always_inline]] inline void addPanel(const EdgeSource& source, const EdgeBatch& batch, int first, int count,
+                                            const EdgeShape& shape, const Panel& panel, double* scratch,
+                                            Products* products) {
+  const int rows = shape.rows;
+  double* const moved = scratch;
+  double* const part = scratch + rows * padded;
+  for (int i = 0; i < count; ++i) {
+    const auto slots = batch.slots(first + i);
+    Products* target = nullptr;
+    for (std::size_t role = 0; role < slots.size(); ++role) {
+      const std::int64_t at = source.begin[static_cast<std::size_t>(slots[role])];
+      if (at < 0) continue;
+      const int columns = shape.columns[role];
+      double* const own = target == nullptr ? moved : part;
+      multiplyBlock(
+          panel.jacobian[role] + std::int64_t{i / Panel::lanes} * columns * rows * Panel::lanes + i % Panel::lanes,
+          source.generators.data() + at, rows, columns, own);
+      target = products + source.componentOf[static_cast<std::size_t>(source.problem.variableOfSlot(slots[role]))];
+      for (int r = 0; r < rows; ++r) {
+        for (int k = 0; k < padded; ++k) target->scale[k] += own[r * padded + k] * own[r * padded + k];
+      }
+      for (int k = 0; own != moved && k < rows * padded; ++k) moved[k] += own[k];
+    }
+    for (int r = 0; target != nullptr && r < rows; ++r) {
+      const double* row = moved + r * padded;
+      for (int a = 0; a < gaugeDirections; ++a) {
+        for (int b = 0; b < padded; ++b) target->square[a * padded + b] += row[a] * row[b];
       }
     }
   }
-  if (!target) return;
-  for (int r = 0; r < shape.rows; ++r) {
-    const double* row = moved + r * padded;
-    for (int a = 0; a < gaugeDirections; ++a) {
-      for (int b = 0; b < gaugeDirections; ++b) target->square(b, a) += row[a] * row[b];
+}
+
+QUIVER_TARGET_AVX2 void addPanelAvx2(const EdgeSource& source, const EdgeBatch& batch, int first, int count,
+                                     const EdgeShape& shape, const Panel& panel, double* scratch, Products* products) {
+  addPanel(source, batch, first, count, shape, panel, scratch, products);
+}
+void addPanelGeneric(const EdgeSource& source, const EdgeBatch& batch, int first, int count, const EdgeShape& shape,
+                     const Panel& panel, double* scratch, Products* products) {
+  addPanel(source, batch, first, count, shape, panel, scratch, products);
+}
+
+/// Adds a part of the edges, one of `pieces`, to products of its own.
+void addPiece(const EdgeSource& source, std::int64_t piece, std::int64_t pieces, std::vector<Products>& products) {
+  const bool wide = detectInstructionSet() != InstructionSet::generic;
+  std::vector<std::int32_t> ids(Panel::capacity);
+  std::vector<double> scratch;
+  for (int b = 0; b < source.problem.batches(); ++b) {
+    const EdgeBatch& batch = source.problem.batch(b);
+    const int step = batch.uniform() ? Panel::capacity : 1;
+    const std::int64_t chunks = (batch.size() + step - 1) / step;
+    const auto begin = static_cast<int>(piece * chunks / pieces) * step;
+    const int end = std::min(batch.size(), static_cast<int>((piece + 1) * chunks / pieces) * step);
+    if (begin >= end) continue;
+    PanelBuffer buffer(batch.largestShape());
+    for (int first = begin; first < end; first += step) {
+      const int count = std::min(step, end - first);
+      std::iota(ids.begin(), ids.end(), first);
+      batch.linearize(source.problem.state(), {ids.data(), static_cast<std::size_t>(count)}, buffer.panel());
+      const EdgeShape shape = batch.shape(first);
+      scratch.resize(2 * static_cast<std::size_t>(shape.rows * padded));
+      (wide ? addPanelAvx2 : addPanelGeneric)(source, batch, first, count, shape, buffer.panel(), scratch.data(),
+                                              products.data());
     }
   }
 }
@@ -164,21 +222,21 @@ void addEdge(const Problem& problem, const EdgeBatch& batch, int edge, int place
 /// Adds one vertex's GᵀG to its component.
 void addVertex(const double* generators, int dimension, Products& products) {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, gaugeDirections, Eigen::RowMajor>;
-  const Eigen::Map<const Rows> G(generators, dimension, gaugeDirections);
+  const Eigen::Map<const Rows, 0, Eigen::OuterStride<padded>> G(generators, dimension, gaugeDirections);
   products.gram += G.transpose() * G;
 }
 
 /// Eigenvalues below `zero` of the rows and columns `live` of a matrix, scaled by the roots of `scale`.
-int nullity(const Generators& matrix, const Eigen::Matrix<double, gaugeDirections, 1>& scale,
-            const std::vector<int>& live, double zero) {
-  Eigen::MatrixXd scaled(live.size(), live.size());
+int nullity(const Generators& matrix, std::span<const double> scale, const std::vector<int>& live, double zero) {
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, gaugeDirections, gaugeDirections> scaled(live.size(),
+                                                                                                    live.size());
   for (std::size_t a = 0; a < live.size(); ++a) {
     for (std::size_t b = 0; b < live.size(); ++b) {
-      scaled(static_cast<int>(a), static_cast<int>(b)) =
-          matrix(live[a], live[b]) / std::sqrt(scale[live[a]] * scale[live[b]]);
+      const double product = scale[static_cast<std::size_t>(live[a])] * scale[static_cast<std::size_t>(live[b])];
+      scaled(static_cast<int>(a), static_cast<int>(b)) = matrix(live[a], live[b]) / std::sqrt(product);
     }
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled, Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<decltype(scaled)> eigen(scaled, Eigen::EigenvaluesOnly);
   return static_cast<int>((eigen.eigenvalues().array() < zero).count());
 }
 
@@ -188,12 +246,14 @@ int freeDirections(const Products& products) {
   // Generators that move nothing (a roll in the plane) are left out; the others are scaled to compare with each other.
   std::vector<int> live;
   for (int k = 0; k < gaugeDirections; ++k) {
-    if (products.scale[k] > 0.0) live.push_back(k);
+    if (products.scale[static_cast<std::size_t>(k)] > 0.0) live.push_back(k);
   }
   if (live.empty()) return 0;
   // (J G)ᵀ(J G) cancels to ε²; genuine priors of weight 1e-14 of the sum are priors no more.
-  const int unnoticed = nullity(products.square, products.scale, live, 1e-14);
-  const int motionless = nullity(products.gram, products.gram.diagonal(), live, 1e-13);
+  const Eigen::Map<const Generators, 0, Eigen::OuterStride<padded>> square(products.square.data());
+  const Eigen::Matrix<double, gaugeDirections, 1> lengths = products.gram.diagonal();
+  const int unnoticed = nullity(square, products.scale, live, 1e-14);
+  const int motionless = nullity(products.gram, {lengths.data(), gaugeDirections}, live, 1e-13);
   return std::max(0, unnoticed - motionless);
 }
 
@@ -211,20 +271,16 @@ std::vector<ComponentGauge> findGauges(const Problem& problem) {
     addVertex(generators.data() + at, problem.dimension(variable),
               products[static_cast<std::size_t>(componentOf[static_cast<std::size_t>(variable)])]);
   }
-  std::vector<std::int32_t> ids(Panel::capacity);
-  std::vector<double> scratch;
-  for (int b = 0; b < problem.batches(); ++b) {
-    const EdgeBatch& batch = problem.batch(b);
-    PanelBuffer buffer(batch.largestShape());
-    const int step = batch.uniform() ? Panel::capacity : 1;
-    for (int first = 0; first < batch.size(); first += step) {
-      const int count = std::min(step, batch.size() - first);
-      std::iota(ids.begin(), ids.end(), first);
-      batch.linearize(problem.state(), {ids.data(), static_cast<std::size_t>(count)}, buffer.panel());
-      const EdgeShape shape = batch.shape(first);
-      for (int i = 0; i < count; ++i)
-        addEdge(problem, batch, first + i, i, shape, buffer.panel(), begin, generators, componentOf, scratch, products);
-    }
+  const EdgeSource source{problem, begin, generators, componentOf};
+  // Pieces each have products of all components.
+  const std::int64_t pieces =
+      gauges.size() > 16 ? 1 : std::clamp<std::int64_t>(problem.edges() / pieceEdges, 1, mostPieces);
+  std::vector<std::vector<Products>> parts(static_cast<std::size_t>(pieces - 1), std::vector<Products>(gauges.size()));
+  parallelFor(pieces, problem.threads(), [&](std::int64_t piece) {
+    addPiece(source, piece, pieces, piece == 0 ? products : parts[static_cast<std::size_t>(piece - 1)]);
+  });
+  for (const std::vector<Products>& part : parts) {
+    for (std::size_t i = 0; i < gauges.size(); ++i) products[i].add(part[i]);
   }
   for (std::size_t i = 0; i < gauges.size(); ++i) {
     gauges[i].anchor = findAnchor(problem, gauges[i].variables);

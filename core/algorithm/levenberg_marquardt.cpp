@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <quiver/core/algorithm/descent.h>
+#include <quiver/core/util/lane_sums.h>
 
 namespace quiver {
 namespace {
@@ -59,7 +60,8 @@ void levenbergMarquardt(Descent& descent) {
     CostTotals trial;
     if (outcome.ok()) {
       const auto gradient = system.gradient();
-      for (std::size_t i = 0; i < delta.size(); ++i) predicted += delta[i] * (scaled[i] * delta[i] - gradient[i]);
+      predicted =
+          sumInLanes(delta.size(), [&](std::size_t i) { return delta[i] * (scaled[i] * delta[i] - gradient[i]); });
       trial = descent.tryStep();
       const double actual = descent.totals().cost - trial.cost;
       ratio = trial.finite() && predicted > 0.0 ? actual / predicted : -1.0;

@@ -135,6 +135,8 @@ struct Optimizer::Compiled {
   StructureKey key;
   std::unique_ptr<Problem> problem;
   std::unique_ptr<LinearSystem> system;
+  /// Asked whether it eliminates, not analysed yet.
+  std::unique_ptr<LinearSystem> asked;
   GaugeReport gauge;
   bool reused = false;
 
@@ -144,15 +146,16 @@ struct Optimizer::Compiled {
     reused = problem && newKey == key;
     if (reused) return problem->refresh();
     system.reset();
+    asked.reset();
     problem.reset();
     gauge = {};
     announce(options, "compiling the problem");
     problem = std::make_unique<Problem>(graph, ProblemScope{options.level, options.free, threads});
     if (problem->variables() > 0) {
       // Eliminating or robust kernels make the algorithm a damped one, which leaves the gauge free.
+      asked = makeSystem(*graph.registry(), options);
       const bool damped =
-          algorithm == Algorithm::automatic &&
-          (hasRobustKernel(*problem) || makeSystem(*graph.registry(), options)->eliminates(*problem, options));
+          algorithm == Algorithm::automatic && (hasRobustKernel(*problem) || asked->eliminates(*problem, options));
       settleGauge(*problem, options, damped ? Algorithm::levenbergMarquardt : algorithm, gauge);
     }
     key = newKey;
@@ -199,7 +202,7 @@ Summary Optimizer::optimize(Graph& graph) {
   } else {
     if (!compiled_->system) {
       announce(options_, "analysing the structure");
-      compiled_->system = makeSystem(*graph.registry(), options_);
+      compiled_->system = compiled_->asked ? std::move(compiled_->asked) : makeSystem(*graph.registry(), options_);
       compiled_->system->analyze(problem, options_, summary.threads);
     }
     summary.plan = compiled_->system->plan();

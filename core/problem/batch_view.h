@@ -20,6 +20,9 @@ struct BatchView {
   const double* state = nullptr;
   bool diagonal = false;
   const Edge* const* objects = nullptr;
+  /// Not null: edges come in rows of eight, and `constants` begins with the first row. Where the vertices of a row lie
+  /// in the state, eight numbers for each role.
+  const std::uint32_t* rows = nullptr;
 };
 
 }  // namespace quiver::detail

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <quiver/core/graph/edge.h>
+#include <quiver/core/problem/edge_rows.h>
 #include <quiver/core/problem/panel.h>
 #include <quiver/core/problem/product_targets.h>
 #include <quiver/core/problem/state.h>
@@ -70,6 +71,19 @@ class EdgeBatch {
   virtual void addProducts(const State&, int /*first*/, int /*count*/, const ProductTargets&,
                            double* /*squaredError*/) const {}
 
+  /// Bytes of a row of eight edges that are laid out in rows; 0 if the batch does not do so, as its type does not run
+  /// in lanes.
+  virtual std::int64_t rowBytes() const { return 0; }
+  /// Copies `edges`, a whole number of rows of eight, to `rows`.
+  virtual void packRows(std::span<const std::int32_t> /*edges*/, EdgeRows& /*rows*/, int /*threads*/) const {}
+  /// The same as evaluate and linearize, for the edges that lie from row `first` on; `edges` names them.
+  virtual void evaluateRows(const State&, const EdgeRows&, std::int64_t /*first*/,
+                            std::span<const std::int32_t> /*edges*/, const Panel&) const {}
+  virtual void linearizeRows(const State&, const EdgeRows&, std::int64_t /*first*/,
+                             std::span<const std::int32_t> /*edges*/, const Panel&) const {}
+  /// Counts refreshes: rows of an older revision are to be packed again.
+  std::int64_t revision() const { return revision_; }
+
   /// Reads measurements, information, parameters and kernels again from the same edges, whose structure is unchanged.
   virtual void refresh(const Graph& graph, int threads) = 0;
 
@@ -79,12 +93,14 @@ class EdgeBatch {
 
  protected:
   explicit EdgeBatch(const BatchSource& source) : edges_(source.edges), slots_(source.slots), begin_(source.begin) {}
+  void countRefresh() { ++revision_; }
 
  private:
   std::vector<const Edge*> edges_;
   std::vector<std::int32_t> slots_;
   std::vector<std::int64_t> begin_;
   RobustCorrection correction_ = RobustCorrection::first;
+  std::int64_t revision_ = 0;
 };
 
 }  // namespace quiver

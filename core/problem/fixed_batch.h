@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <quiver/core/problem/edge_batch.h>
+#include <quiver/core/problem/pack_rows.h>
 #include <quiver/core/problem/product_loop.h>
 #include <quiver/core/problem/scalar_loop.h>
 #include <quiver/core/problem/square_root.h>
@@ -117,7 +118,29 @@ class FixedBatch final : public EdgeBatch {
     }
   }
 
+  std::int64_t rowBytes() const override {
+    return inLanes() ? Panel::lanes * (std::int64_t{8} * numbers_ + std::int64_t{4} * Loop::arity) : 0;
+  }
+
+  void packRows(std::span<const std::int32_t> edges, EdgeRows& rows, int threads) const override {
+    detail::packRows(view(State()), Loop::arity, edges, rows, threads);
+    rows.revision = revision();
+  }
+
+  void evaluateRows(const State& state, const EdgeRows& rows, std::int64_t first, std::span<const std::int32_t> edges,
+                    const Panel& panel) const override {
+    run<false>(view(state, rows, first), edges.data(), static_cast<int>(edges.size()), panel);
+    applyKernels(panel, kernels_, edges, Loop::rows, {}, std::nullopt);
+  }
+
+  void linearizeRows(const State& state, const EdgeRows& rows, std::int64_t first, std::span<const std::int32_t> edges,
+                     const Panel& panel) const override {
+    run<true>(view(state, rows, first), edges.data(), static_cast<int>(edges.size()), panel);
+    applyKernels(panel, kernels_, edges, Loop::rows, Loop::columns, robustCorrection());
+  }
+
   void refresh(const Graph& graph, int threads) override {
+    countRefresh();
     const int count = size();
     // Mostly all edges are like the first; if not, the diagonal alone does not do.
     diagonal_ = hasDiagonal(information(0));
@@ -137,6 +160,12 @@ class FixedBatch final : public EdgeBatch {
  private:
   BatchView view(const State& state) const {
     return {constants_.data(), numbers_, records_.data(), size(), state.data(), diagonal_, objects_.data()};
+  }
+  BatchView view(const State& state, const EdgeRows& rows, std::int64_t first) const {
+    BatchView result = view(state);
+    result.constants = rows.constants.data() + first * numbers_ * Panel::lanes;
+    result.rows = rows.records.data() + first * Loop::arity * Panel::lanes;
+    return result;
   }
 
   /// Whether an upper triangle, row by row, has nothing beside its diagonal.

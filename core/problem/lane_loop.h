@@ -183,17 +183,23 @@ inline void storeBlock(const L* U, bool diagonal, Block& J, double* out, int gro
   }
 }
 
-/// The estimates of eight edges, role by role.
+/// The estimates of eight edges, role by role; with rows, of the `group`-th one.
 template <typename E, typename L>
-inline typename EdgeLoop<E>::template Estimates<L> loadEstimates(const BatchView& view, const std::int32_t* ids) {
+inline typename EdgeLoop<E>::template Estimates<L> loadEstimates(const BatchView& view, const std::int32_t* ids,
+                                                                 int group) {
   using Loop = EdgeLoop<E>;
   return [&]<int... I>(std::integer_sequence<int, I...>) {
     return typename Loop::template Estimates<L>([&] {
       using Vertex = std::tuple_element_t<static_cast<std::size_t>(I), typename E::VertexTypes>;
       constexpr int size = Packing<typename Vertex::Estimate>::size;
-      const std::int64_t* records = view.records + I * view.edges;
       const double* pointers[L::width];
-      for (int i = 0; i < L::width; ++i) pointers[i] = view.state + records[ids[i]];
+      if (view.rows != nullptr) {
+        const std::uint32_t* records = view.rows + (std::int64_t{group} * Loop::arity + I) * L::width;
+        for (int i = 0; i < L::width; ++i) pointers[i] = view.state + records[i];
+      } else {
+        const std::int64_t* records = view.records + I * view.edges;
+        for (int i = 0; i < L::width; ++i) pointers[i] = view.state + records[ids[i]];
+      }
       L numbers[size];
       loadRecords<size>(pointers, numbers);
       return Packing<typename Vertex::Estimate>::template load<L>(numbers);
@@ -210,20 +216,29 @@ inline void laneLoop(const BatchView& view, const std::int32_t* edges, int count
   constexpr int rows = Loop::rows;
   for (int begin = 0; begin < count; begin += L::width) {
     const int group = begin / L::width;
-    std::int32_t ids[L::width];
-    for (int i = 0; i < L::width; ++i) ids[i] = edges[begin + i < count ? begin + i : count - 1];
+    std::int32_t ids[L::width] = {};
     L constant[Loop::values];
     L U[Loop::triangle];
     const int edgesHere = count - begin < L::width ? count - begin : L::width;
-    loadConstants<Loop::values>(view.constants, view.numbers, ids, edgesHere, constant);
-    if (view.diagonal) {
+    const bool inRows = view.rows != nullptr;
+    if (!inRows) {
+      for (int i = 0; i < L::width; ++i) ids[i] = edges[begin + i < count ? begin + i : count - 1];
+      loadConstants<Loop::values>(view.constants, view.numbers, ids, edgesHere, constant);
+    }
+    if (inRows) {
+      const double* in = view.constants + std::int64_t{begin} * view.numbers;
+      for (int k = 0; k < Loop::values; ++k) loadLanes(in + k * L::width, constant[k]);
+      in += Loop::values * L::width;
+      const int roots = view.diagonal ? rows : Loop::triangle;
+      for (int k = 0; k < roots; ++k) loadLanes(in + k * L::width, U[k]);
+    } else if (view.diagonal) {
       loadConstants<rows>(view.constants + Loop::values * L::width, view.numbers, ids, edgesHere, U);
     } else {
       loadConstants<Loop::triangle>(view.constants + Loop::values * L::width, view.numbers, ids, edgesHere, U);
     }
     const auto m = Packing<typename E::Measurement>::template load<L>(constant);
     const auto p = Loop::template parameterValues<L>(constant);
-    const auto x = loadEstimates<E, L>(view, ids);
+    const auto x = loadEstimates<E, L>(view, ids, group);
     const E& none = *static_cast<const E*>(view.objects[ids[0]]);
     Vector<L, rows> error;
     if constexpr (withJacobians) {

@@ -8,6 +8,7 @@
 
 #include <quiver/core/problem/canonical_order.h>
 #include <quiver/core/util/error.h>
+#include <quiver/core/util/lane_sums.h>
 #include <quiver/core/util/parallel.h>
 
 namespace quiver {
@@ -24,8 +25,8 @@ bool coversAll(std::uint64_t mask, int dimension) {
 
 Problem::Problem(Graph& graph, const ProblemScope& scope) : graph_(&graph), threads_(std::max(1, scope.threads)) {
   std::vector<std::vector<const Edge*>> edges = collectEdges(scope);
-  collectVertices(scope, edges);
-  makeBatches(std::move(edges));
+  const std::vector<std::int32_t> ends = collectVertices(scope, edges);
+  makeBatches(std::move(edges), ends);
   state_ = State(layout_);
   loadState();
   trial_ = state_;
@@ -56,16 +57,52 @@ std::vector<std::vector<const Edge*>> Problem::collectEdges(const ProblemScope& 
   return edges;
 }
 
-void Problem::collectVertices(const ProblemScope& scope, const std::vector<std::vector<const Edge*>>& edges) {
-  std::vector<Vertex*> touched;
-  for (const auto& list : edges) {
-    for (const Edge* edge : list) {
-      for (const std::int64_t id : edge->vertexIds()) touched.push_back(graph_->findVertex(id));
+std::vector<std::int32_t> Problem::findSlots(const ProblemScope& scope,
+                                             const std::vector<std::vector<const Edge*>>& edges) {
+  std::vector<Vertex*> known;
+  if (scope.free.empty()) {
+    known.reserve(static_cast<std::size_t>(graph_->vertexCount()));
+    graph_->forEachVertex([&](Vertex& vertex) { known.push_back(&vertex); });
+  } else {
+    for (const auto& list : edges) {
+      for (const Edge* edge : list) {
+        for (const std::int64_t id : edge->vertexIds()) known.push_back(graph_->findVertex(id));
+      }
     }
   }
-  sortVertices(*graph_, touched);
-  vertices_ = std::move(touched);
+  sortVertices(*graph_, known);
+  const SlotTable places(known);
+  std::vector<std::int32_t> slotOf(known.size(), -1);
+  std::vector<std::int32_t> ends;
+  std::vector<std::int64_t> lastIds;
+  std::vector<std::int32_t> lastPlaces;
+  for (const auto& list : edges) {
+    for (const Edge* edge : list) {
+      const auto ids = edge->vertexIds();
+      lastIds.resize(std::max(lastIds.size(), ids.size()), -1);
+      lastPlaces.resize(lastIds.size(), -1);
+      for (std::size_t role = 0; role < ids.size(); ++role) {
+        if (ids[role] != lastIds[role]) {
+          lastIds[role] = ids[role];
+          lastPlaces[role] = places.find(ids[role]);
+        }
+        slotOf[static_cast<std::size_t>(lastPlaces[role])] = 0;
+        ends.push_back(lastPlaces[role]);
+      }
+    }
+  }
+  for (std::size_t place = 0; place < known.size(); ++place) {
+    if (slotOf[place] < 0) continue;
+    slotOf[place] = static_cast<std::int32_t>(vertices_.size());
+    vertices_.push_back(known[place]);
+  }
+  for (std::int32_t& end : ends) end = slotOf[static_cast<std::size_t>(end)];
+  return ends;
+}
 
+std::vector<std::int32_t> Problem::collectVertices(const ProblemScope& scope,
+                                                   const std::vector<std::vector<const Edge*>>& edges) {
+  std::vector<std::int32_t> ends = findSlots(scope, edges);
   const std::vector<std::int64_t> free = [&] {
     std::vector<std::int64_t> ids = scope.free;
     std::sort(ids.begin(), ids.end());
@@ -95,6 +132,7 @@ void Problem::collectVertices(const ProblemScope& scope, const std::vector<std::
     });
     std::sort(isolated_.begin(), isolated_.end());
   }
+  return ends;
 }
 
 void Problem::numberVariables(const std::vector<char>& movable) {
@@ -124,18 +162,22 @@ void Problem::fixVariables(std::span<const int> variables) {
   numberVariables(movable);
 }
 
-void Problem::makeBatches(std::vector<std::vector<const Edge*>> edges) {
+void Problem::makeBatches(std::vector<std::vector<const Edge*>> edges, const std::vector<std::int32_t>& ends) {
   const std::vector<int> order = edgeTypeOrder(*graph_->registry());
-  const SlotTable slots(vertices_);
+  std::vector<std::size_t> firstEnd(edges.size() + 1, 0);
+  for (std::size_t type = 0; type < edges.size(); ++type) {
+    firstEnd[type + 1] = firstEnd[type];
+    for (const Edge* edge : edges[type]) firstEnd[type + 1] += static_cast<std::size_t>(edge->arity());
+  }
   int largest = 0;
   for (const int type : order) {
     auto& list = edges[static_cast<std::size_t>(type)];
     if (list.empty()) continue;
     BatchSource source{*graph_, layout_, std::move(list), {}, {0}, threads_};
-    for (const Edge* edge : source.edges) {
-      for (const std::int64_t id : edge->vertexIds()) source.slots.push_back(slots.find(id));
-      source.begin.push_back(static_cast<std::int64_t>(source.slots.size()));
-    }
+    source.slots.assign(ends.begin() + static_cast<std::ptrdiff_t>(firstEnd[static_cast<std::size_t>(type)]),
+                        ends.begin() + static_cast<std::ptrdiff_t>(firstEnd[static_cast<std::size_t>(type) + 1]));
+    source.begin.reserve(source.edges.size() + 1);
+    for (const Edge* edge : source.edges) source.begin.push_back(source.begin.back() + edge->arity());
     const EdgeType& edgeType = *graph_->registry()->edgeTypes()[static_cast<std::size_t>(type)];
     batches_.push_back(edgeType.makeBatch(source));
     edgeTypes_.push_back(&edgeType);
@@ -198,6 +240,12 @@ void Problem::retract(std::span<const double> delta) {
 }
 
 double Problem::stateNorm() const {
+  // What pads records is zero.
+  if (variables() == slots()) {
+    const double* const values = state_.data();
+    return std::sqrt(
+        sumInLanes(static_cast<std::size_t>(layout_.size()), [&](std::size_t i) { return values[i] * values[i]; }));
+  }
   double sum = 0.0;
   for (int variable = 0; variable < variables(); ++variable) {
     const int slot = slotOfVariable(variable);

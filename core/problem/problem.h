@@ -88,9 +88,12 @@ class Problem {
   void store();
 
  private:
-  void collectVertices(const ProblemScope& scope, const std::vector<std::vector<const Edge*>>& edges);
+  /// Slots of the vertices of all edges, list by list; fills vertices_.
+  std::vector<std::int32_t> findSlots(const ProblemScope& scope, const std::vector<std::vector<const Edge*>>& edges);
+  std::vector<std::int32_t> collectVertices(const ProblemScope& scope,
+                                            const std::vector<std::vector<const Edge*>>& edges);
   std::vector<std::vector<const Edge*>> collectEdges(const ProblemScope& scope) const;
-  void makeBatches(std::vector<std::vector<const Edge*>> edges);
+  void makeBatches(std::vector<std::vector<const Edge*>> edges, const std::vector<std::int32_t>& ends);
   void numberVariables(const std::vector<char>& movable);
   void loadState();
 

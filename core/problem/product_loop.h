@@ -92,7 +92,7 @@ inline void productLoop(const BatchView& view, int first, int count, const Produ
     for (int k = 0; k < values; ++k) loadLanes(in + k * L::width, constant[k]);
     const auto m = Packing<typename E::Measurement>::template load<L>(constant);
     const auto p = Loop::template parameterValues<L>(constant);
-    const auto x = loadEstimates<E, L>(view, ids);
+    const auto x = loadEstimates<E, L>(view, ids, 0);
     const E& none = *static_cast<const E*>(view.objects[at]);
     typename Loop::template Blocks<L> J;
     Vector<L, rows> error;

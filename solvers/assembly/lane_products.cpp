@@ -141,8 +141,12 @@ LaneProducts::Square pickSquare(int rows, int columns) {
       return Set::template square<2, 2>;
     case 203:
       return Set::template square<2, 3>;
+    case 204:
+      return Set::template square<2, 4>;
     case 206:
       return Set::template square<2, 6>;
+    case 208:
+      return Set::template square<2, 8>;
     case 209:
       return Set::template square<2, 9>;
     case 303:
@@ -164,6 +168,12 @@ LaneProducts::Cross pickCross(int rows, int columnsA, int columnsB) {
       return Set::template cross<1, 3, 2>;
     case 20302:
       return Set::template cross<2, 3, 2>;
+    case 20604:
+      return Set::template cross<2, 6, 4>;
+    case 20608:
+      return Set::template cross<2, 6, 8>;
+    case 20609:
+      return Set::template cross<2, 6, 9>;
     case 30303:
       return Set::template cross<3, 3, 3>;
     case 30603:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <quiver/core/util/parallel.h>
 #include <quiver/solvers/backends/scalar_columns.h>
 #include <quiver/solvers/backends/validate.h>
 #include <quiver/solvers/cholesky/kernels/kernel_level.h>
@@ -72,17 +73,19 @@ class DenseSolver final : public LinearSolver {
 
   void load(const BlockMatrix& matrix, std::span<const double> damping) {
     const BlockLayout& layout = pattern_->layout();
-    std::fill(factor_.data(), factor_.data() + stride_ * size_, 0.0);
-    for (int column = 0; column < layout.blocks(); ++column) {
+    parallelFor(layout.blocks(), size_ < smallestShared ? 1 : threads_, [&](std::int64_t c) {
+      const auto column = static_cast<int>(c);
+      double* const first = factor_.data() + layout.offset(column) * stride_;
+      std::fill(first, first + layout.dimension(column) * stride_, 0.0);
       for (std::int64_t k = pattern_->columnBegin(column); k < pattern_->columnEnd(column); ++k) {
         const int row = pattern_->row(k);
         const int rows = layout.dimension(row);
         const double* from = matrix.block(k);
         double* to = factor_.data() + layout.offset(column) * stride_ + layout.offset(row);
-        for (int c = 0; c < layout.dimension(column); ++c, from += rows, to += stride_)
+        for (int i = 0; i < layout.dimension(column); ++i, from += rows, to += stride_)
           std::copy(from, from + rows, to);
       }
-    }
+    });
     for (std::size_t i = 0; i < damping.size(); ++i)
       factor_[static_cast<std::int64_t>(i) * (stride_ + 1)] += damping[i];
   }

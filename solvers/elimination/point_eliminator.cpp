@@ -14,6 +14,8 @@ constexpr int lanes = Panel::lanes;
 constexpr int parts = 8;
 /// A pivot below this share of its diagonal is rounding: the direction is left out.
 constexpr double pivotFloor = 1e-13;
+/// Pairs of records that are multiplied while an edge is linearised and its record written.
+constexpr std::int64_t pairsPerEdge = 2;
 /// Copies of S for tiles that run side by side: four while S is this small, two up to the second size, else one.
 constexpr std::int64_t smallMatrix = 1 << 15;
 constexpr std::int64_t middleMatrix = 1 << 20;
@@ -50,6 +52,7 @@ PointEliminator::PointEliminator(const Problem& problem, const EliminationPlan& 
     }
   }
   largestRecord_ = largest;
+  factors_ = AlignedBuffer(plan.sumNumbers() + 8);
   paddedIn_ = AlignedBuffer(next + largest);
   for (int p = 0; p < parts; ++p) workspaces_.push_back(makeWorkspace());
 }
@@ -108,13 +111,12 @@ void PointEliminator::layOut(const BlockMatrix& matrix, std::span<const int> pos
     }
   }
   const auto size = static_cast<std::int64_t>(matrix.values().size());
-  const auto count = static_cast<int>(tiles_.tiles().size());
-  const int copies = std::clamp(PointEliminator::copies(size), 1, std::max(1, count));
-  slabs_.resize(static_cast<std::size_t>(copies));
-  for (int s = 0; s < copies; ++s) {
-    Slab& slab = slabs_[static_cast<std::size_t>(s)];
-    slab.tileBegin = s * count / copies;
-    slab.tileEnd = (s + 1) * count / copies;
+  const std::vector<int> ends = cutTiles(PointEliminator::copies(size));
+  slabs_.resize(ends.size());
+  for (std::size_t s = 0; s < slabs_.size(); ++s) {
+    Slab& slab = slabs_[s];
+    slab.tileBegin = s == 0 ? 0 : ends[s - 1];
+    slab.tileEnd = ends[s];
     if (s > 0) {
       slab.copy = AlignedBuffer(size);
       slab.right.assign(static_cast<std::size_t>(plan_->keptLayout().scalars()), 0.0);
@@ -122,14 +124,34 @@ void PointEliminator::layOut(const BlockMatrix& matrix, std::span<const int> pos
     slab.records = AlignedBuffer(tiles_.tileNumbers() + 8);
   }
   while (workspaces_.size() < slabs_.size() * parts) workspaces_.push_back(makeWorkspace());
-  factors_ = diagonalOnly ? AlignedBuffer(plan_->sumNumbers() + 8) : AlignedBuffer();
+}
+
+/// Ends of at most `most` runs of tiles that take about the same time. Points of many edges come last and have many
+/// pairs, so equal numbers of tiles would not do.
+std::vector<int> PointEliminator::cutTiles(int most) const {
+  const auto count = static_cast<int>(tiles_.tiles().size());
+  std::vector<std::int64_t> work{0};
+  for (const TilePlan::Tile& tile : tiles_.tiles()) {
+    const std::int64_t pairs = tiles_.blocks()[static_cast<std::size_t>(tile.blockEnd)].pairs -
+                               tiles_.blocks()[static_cast<std::size_t>(tile.blockBegin)].pairs;
+    const std::int64_t rows = plan_->groups()[static_cast<std::size_t>(tile.groupEnd - 1)].rowEnd -
+                              plan_->groups()[static_cast<std::size_t>(tile.groupBegin)].rowBegin;
+    work.push_back(work.back() + pairs + rows * lanes * pairsPerEdge);
+  }
+  std::vector<int> ends;
+  for (int s = 1; s < most; ++s) {
+    const auto at = std::lower_bound(work.begin(), work.end(), work.back() * s / most);
+    const auto end = static_cast<int>(at - work.begin());
+    if (end > (ends.empty() ? 0 : ends.back()) && end < count) ends.push_back(end);
+  }
+  ends.push_back(count);
+  return ends;
 }
 
 int PointEliminator::copies(std::int64_t values) { return values <= smallMatrix ? 4 : values <= middleMatrix ? 2 : 1; }
 
 void PointEliminator::setDamping(std::span<const double> damping) {
   damping_ = damping;
-  if (factors_.size() == 0) return;
   const int count = plan_->pointGroups();
   parallelFor(parts, threads_, [&](std::int64_t p) {
     Workspace& work = workspaces_[static_cast<std::size_t>(p)];
@@ -157,11 +179,8 @@ unsigned PointEliminator::factorGroup(int g, std::span<const double> damping, do
   return bits & group.lanes;
 }
 
-/// The factor of a group: as stored, or made here and now.
-const double* PointEliminator::factorOf(int g, Workspace& work) const {
-  if (factors_.size() > 0) return factors_.data() + plan_->groups()[static_cast<std::size_t>(g)].sums;
-  factorGroup(g, damping_, work.scratch.data(), work.factor.data());
-  return work.factor.data();
+const double* PointEliminator::factorOf(int g) const {
+  return factors_.data() + plan_->groups()[static_cast<std::size_t>(g)].sums;
 }
 
 std::vector<int> PointEliminator::singularPoints() const {
@@ -179,10 +198,10 @@ std::vector<int> PointEliminator::singularPoints() const {
 
 bool PointEliminator::reduce(const State& state, BlockMatrix& matrix, std::span<double> right,
                              const StopCondition& stop) {
-  startMatrix(matrix, right);
   std::atomic<bool> stopped{false};
   parallelFor(static_cast<std::int64_t>(slabs_.size()), threads_, [&](std::int64_t s) {
     Slab& slab = slabs_[static_cast<std::size_t>(s)];
+    if (s == 0) startMatrix(matrix, right);  // only the first slab writes there
     std::fill(slab.copy.data(), slab.copy.data() + slab.copy.size(), 0.0);
     std::fill(slab.right.begin(), slab.right.end(), 0.0);
     for (int t = slab.tileBegin; t < slab.tileEnd; ++t) {
@@ -244,7 +263,7 @@ void PointEliminator::reduceTile(const State& state, int t, int slabIndex, Block
 void PointEliminator::writeRecords(const State& state, int g, Slab& slab, Workspace& work) {
   const EliminationPlan::Group& group = plan_->groups()[static_cast<std::size_t>(g)];
   const int e = group.dimension;
-  const double* factor = factorOf(g, work);
+  const double* factor = factorOf(g);
   const double* tau = factor + e * (e + 1) / 2 * lanes;
   for (const TilePlan::SharedRecord& shared : tiles_.sharedRecords(g)) {
     const int k = plan_->keptLayout().dimension(shared.kept);

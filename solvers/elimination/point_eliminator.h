@@ -77,9 +77,10 @@ class PointEliminator {
   enum class Product { reduced, full };
 
   void chooseKernels();
+  std::vector<int> cutTiles(int most) const;
   Workspace makeWorkspace() const;
   unsigned factorGroup(int group, std::span<const double> damping, double* damped, double* factor) const;
-  const double* factorOf(int group, Workspace& work) const;
+  const double* factorOf(int group) const;
   void startMatrix(BlockMatrix& matrix, std::span<double> right);
   void reduceTile(const State& state, int tile, int slabIndex, BlockMatrix& matrix, std::span<double> right);
   void writeRecords(const State& state, int group, Slab& slab, Workspace& work);
@@ -110,7 +111,7 @@ class PointEliminator {
   std::vector<int> pointDimensions_;
   std::int64_t largestRecord_ = 8;
   std::span<const double> damping_;
-  AlignedBuffer factors_;  // of all points, at Group::sums; empty if they are made where they are needed
+  AlignedBuffer factors_;  // of all points, at Group::sums
   std::vector<Slab> slabs_;
   std::vector<Workspace> workspaces_;
   std::vector<std::int64_t> padded_;  // of each kept vertex: its place in padded vectors

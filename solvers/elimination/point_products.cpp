@@ -24,9 +24,17 @@ void PointEliminator::padKept(std::span<const double> x, bool allVariables) {
 
 void PointEliminator::substitute(const State& state, std::span<double> delta) {
   padKept(delta, true);
-  const int count = plan_->pointGroups();
+  const auto groups = std::span(plan_->groups()).first(static_cast<std::size_t>(plan_->pointGroups()));
+  const std::int64_t rows = groups.empty() ? 0 : groups.back().rowEnd;
+  // Parts of equally many rows: groups of long tracks stand at the end.
+  const auto groupAt = [&](std::int64_t row) {
+    return std::lower_bound(groups.begin(), groups.end(), row,
+                            [](const EliminationPlan::Group& group, std::int64_t at) { return group.rowBegin < at; }) -
+           groups.begin();
+  };
   parallelFor(parts, threads_, [&](std::int64_t p) {
-    for (std::int64_t g = p * count / parts; g < (p + 1) * count / parts; ++g)
+    const auto end = p + 1 == parts ? static_cast<std::ptrdiff_t>(groups.size()) : groupAt((p + 1) * rows / parts);
+    for (std::ptrdiff_t g = p == 0 ? 0 : groupAt(p * rows / parts); g < end; ++g)
       substituteGroup(state, static_cast<int>(g), delta, workspaces_[static_cast<std::size_t>(p)]);
   });
 }
@@ -53,7 +61,7 @@ void PointEliminator::alongRow(int r, int panelRow, const Panel& panel, double* 
 void PointEliminator::substituteGroup(const State& state, int g, std::span<double> delta, Workspace& work) {
   const EliminationPlan::Group& group = plan_->groups()[static_cast<std::size_t>(g)];
   const int e = group.dimension;
-  const double* factor = factorOf(g, work);
+  const double* factor = factorOf(g);
   double* t = work.scratch.data();
   std::copy_n(assembler_->sums() + group.sums + e * (e + 1) / 2 * lanes, e * lanes, t);
   for (int begin = group.rowBegin; begin < group.rowEnd && plan_->kept() > 0;) {

@@ -10,6 +10,44 @@ constexpr int lanes = Panel::lanes;
 
 }  // namespace
 
+RowLinearizer::RowLinearizer(const Problem& problem, const EliminationPlan& plan, int threads)
+    : problem_(&problem), plan_(&plan), threads_(threads), copies_(plan.kinds().size()) {
+  std::vector<std::int32_t> next(plan.kinds().size(), 0);
+  places_.reserve(plan.rows().size());
+  for (const EliminationPlan::Row& row : plan.rows()) places_.push_back(next[static_cast<std::size_t>(row.kind)]++);
+  refresh();
+}
+
+void RowLinearizer::refresh() {
+  for (std::size_t kind = 0; kind < copies_.size(); ++kind) {
+    const EdgeBatch& batch = problem_->batch(plan_->kinds()[kind].batch);
+    if (batch.uniform() && batch.rowBytes() > 0 && copies_[kind].revision != batch.revision()) pack(kind);
+  }
+}
+
+void RowLinearizer::pack(std::size_t kind) {
+  std::vector<std::int32_t> edges;
+  for (std::size_t row = 0; row < places_.size(); ++row) {
+    if (plan_->rows()[row].kind != static_cast<std::int32_t>(kind)) continue;
+    const std::int32_t* own = plan_->edges(static_cast<std::int64_t>(row));
+    edges.insert(edges.end(), own, own + lanes);
+  }
+  problem_->batch(plan_->kinds()[kind].batch).packRows(edges, copies_[kind], threads_);
+}
+
+std::int64_t RowLinearizer::bytes() const {
+  std::int64_t bytes = static_cast<std::int64_t>(places_.size()) * 4;
+  for (const EdgeRows& copy : copies_) bytes += copy.bytes();
+  return bytes;
+}
+
+std::int64_t RowLinearizer::predictBytes(const Problem& problem, const EliminationPlan& plan) {
+  std::int64_t bytes = 0;
+  for (const EliminationPlan::Row& row : plan.rows())
+    bytes += 4 + problem.batch(plan.kinds()[static_cast<std::size_t>(row.kind)].batch).rowBytes();
+  return bytes;
+}
+
 RowLinearizer::Workspace RowLinearizer::makeWorkspace() const {
   Workspace work;
   for (const RowKind& kind : plan_->kinds()) {
@@ -44,7 +82,13 @@ const Panel& RowLinearizer::linearize(const State& state, int begin, int end, Wo
   const EdgeBatch& batch = problem_->batch(kind.batch);
   const Panel& panel = work.panels[kindIndex].panel();
   if (batch.uniform()) {
-    batch.linearize(state, {plan_->edges(begin), static_cast<std::size_t>((end - begin) * lanes)}, panel);
+    const std::span<const std::int32_t> edges(plan_->edges(begin), static_cast<std::size_t>((end - begin) * lanes));
+    const EdgeRows& copy = copies_[kindIndex];
+    if (copy.empty()) {
+      batch.linearize(state, edges, panel);
+    } else {
+      batch.linearizeRows(state, copy, places_[static_cast<std::size_t>(begin)], edges, panel);
+    }
   } else {
     linearizeSingly(state, begin, end, panel, work);
   }
@@ -110,17 +154,36 @@ void RowLinearizer::dropHeldColumns(const RowKind& kind, const Panel& panel, int
 
 void RowLinearizer::addTotals(int begin, int end, const Panel& panel, CostTotals& totals) const {
   const auto& rows = plan_->rows();
-  const RowKind& kind = plan_->kinds()[static_cast<std::size_t>(rows[static_cast<std::size_t>(begin)].kind)];
+  double chi2[lanes] = {};
+  double cost[lanes] = {};
+  for (int row = begin; row < end; ++row) {
+    const std::uint32_t present = rows[static_cast<std::size_t>(row)].lanes;
+    const double* const squares = panel.squaredError + (row - begin) * lanes;
+    const double* const costs = panel.cost + (row - begin) * lanes;
+    for (int lane = 0; lane < lanes; ++lane) {
+      const bool counts = present == 0xff || (present >> lane & 1) != 0;
+      chi2[lane] += counts ? squares[lane] : 0.0;
+      cost[lane] += counts ? costs[lane] : 0.0;
+    }
+  }
+  double sum = 0.0;
+  for (int lane = 0; lane < lanes; ++lane) {
+    sum += chi2[lane];
+    totals.cost += cost[lane];
+  }
+  totals.chi2 += sum;
+  if (!std::isfinite(sum) && totals.badBatch < 0) findBadEdge(begin, end, panel, totals);
+}
+
+void RowLinearizer::findBadEdge(int begin, int end, const Panel& panel, CostTotals& totals) const {
+  const auto& rows = plan_->rows();
   for (int row = begin; row < end; ++row) {
     for (int lane = 0; lane < lanes; ++lane) {
       if ((rows[static_cast<std::size_t>(row)].lanes >> lane & 1) == 0) continue;
-      const int i = (row - begin) * lanes + lane;
-      totals.chi2 += panel.squaredError[i];
-      totals.cost += panel.cost[i];
-      if (totals.badBatch < 0 && !std::isfinite(panel.squaredError[i])) {
-        totals.badBatch = kind.batch;
-        totals.badEdge = plan_->edges(row)[lane];
-      }
+      if (std::isfinite(panel.squaredError[(row - begin) * lanes + lane])) continue;
+      totals.badBatch = plan_->kinds()[static_cast<std::size_t>(rows[static_cast<std::size_t>(row)].kind)].batch;
+      totals.badEdge = plan_->edges(row)[lane];
+      return;
     }
   }
 }

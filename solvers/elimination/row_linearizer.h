@@ -8,8 +8,9 @@
 
 namespace quiver {
 
-/// Linearises rows of an elimination plan into panels in the first cache. Lanes without an edge contribute nothing:
-/// their residual and the block of their point are zero. Const; one workspace a task.
+/// Linearises rows of an elimination plan into panels in the first cache, from a copy of the edges in the order of rows
+/// where their batch makes one. Lanes without an edge contribute nothing: their residual and blocks are zero. Const but
+/// for refresh(); one workspace a task.
 class RowLinearizer {
  public:
   /// Rows of one panel.
@@ -22,7 +23,13 @@ class RowLinearizer {
   };
 
   RowLinearizer() = default;
-  RowLinearizer(const Problem& problem, const EliminationPlan& plan) : problem_(&problem), plan_(&plan) {}
+  RowLinearizer(const Problem& problem, const EliminationPlan& plan, int threads);
+
+  /// Copies edges again whose measurements, information or parameters have changed.
+  void refresh();
+  /// Bytes of the copies.
+  std::int64_t bytes() const;
+  static std::int64_t predictBytes(const Problem& problem, const EliminationPlan& plan);
 
   Workspace makeWorkspace() const;
   static std::int64_t workspaceBytes(const EliminationPlan& plan);
@@ -33,13 +40,19 @@ class RowLinearizer {
   const Panel& linearize(const State& state, int begin, int end, Workspace& work, CostTotals* totals) const;
 
  private:
+  void pack(std::size_t kind);
   void linearizeSingly(const State& state, int begin, int end, const Panel& panel, Workspace& work) const;
   void clearLane(const RowKind& kind, const Panel& panel, int row, int lane) const;
   void dropHeldColumns(const RowKind& kind, const Panel& panel, int row, int lane, int edge) const;
+  void findBadEdge(int begin, int end, const Panel& panel, CostTotals& totals) const;
   void addTotals(int begin, int end, const Panel& panel, CostTotals& totals) const;
 
   const Problem* problem_ = nullptr;
   const EliminationPlan* plan_ = nullptr;
+  int threads_ = 1;
+  /// Copies by kind, and the place of every row in its copy.
+  std::vector<EdgeRows> copies_;
+  std::vector<std::int32_t> places_;
 };
 
 }  // namespace quiver

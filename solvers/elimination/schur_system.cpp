@@ -132,7 +132,8 @@ void SchurSystem::chooseSolver(const BlockPattern& pattern, const Options& optio
 }
 
 std::int64_t SchurSystem::predictBytes() const {
-  std::int64_t bytes = elimination_.bytes() + (implicit_ ? 2 : 1) * elimination_.sumNumbers() * 8;
+  std::int64_t bytes =
+      elimination_.bytes() + RowLinearizer::predictBytes(*problem_, elimination_) + 2 * elimination_.sumNumbers() * 8;
   if (elimination_.kept() == 0) return bytes;
   bytes += static_cast<std::int64_t>(neighbours_.kept.size()) * 2;  // places
   if (!implicit_) {
@@ -149,7 +150,7 @@ std::int64_t SchurSystem::predictBytes() const {
 }
 
 void SchurSystem::layOut(int threads) {
-  linearizer_ = RowLinearizer(*problem_, elimination_);
+  linearizer_ = RowLinearizer(*problem_, elimination_, threads);
   assembler_ = PointAssembler(*problem_, elimination_, linearizer_, threads);
   eliminator_ = PointEliminator(*problem_, elimination_, linearizer_, assembler_, threads);
   gradient_.assign(static_cast<std::size_t>(problem_->scalars()), 0.0);
@@ -168,11 +169,12 @@ void SchurSystem::layOut(int threads) {
     plan_.factorFlops = statistics.flops;
     plan_.bytes += statistics.bytes + static_cast<std::int64_t>(matrix_.values().size()) * 8;
   }
-  plan_.bytes += assembler_.bytes() + eliminator_.bytes();
+  plan_.bytes += linearizer_.bytes() + assembler_.bytes() + eliminator_.bytes();
 }
 
 CostTotals SchurSystem::linearize(const State& state) {
   state_ = &state;
+  linearizer_.refresh();
   const CostTotals totals = assembler_.linearize(state, seconds_);
   Stopwatch watch;
   assembler_.scatter(gradient_, diagonal_);

@@ -33,16 +33,22 @@ QUIVER_INLINE int lowerEntry(int e, int row, int column) {
 
 /// 1/√pivot where the pivot is sound, else 0, and then adds 1 to `dropped`.
 QUIVER_INLINE Eight reciprocalRoot(const Eight& pivot, const Eight& diagonal, double floor, double* dropped) {
+  // Loops without branches, so that they become vector instructions.
   double numbers[8];
   double least[8];
+  double root[8];
   double inverse[8];
   storeEight(numbers, pivot);
   storeEight(least, diagonal);
   for (int lane = 0; lane < 8; ++lane) {
-    const bool sound = numbers[lane] > floor * least[lane] && numbers[lane] <= 1.7976931348623157e308;
-    inverse[lane] = sound ? 1.0 / __builtin_sqrt(numbers[lane]) : 0.0;
-    dropped[lane] += sound ? 0.0 : 1.0;
+    const bool sound = (numbers[lane] > floor * least[lane]) & (numbers[lane] <= 1.7976931348623157e308);
+    root[lane] = sound ? numbers[lane] : 0.0;
   }
+  for (int lane = 0; lane < 8; ++lane) {
+    const double divisor = __builtin_sqrt(root[lane]);
+    inverse[lane] = divisor > 0.0 ? 1.0 / divisor : 0.0;
+  }
+  for (int lane = 0; lane < 8; ++lane) dropped[lane] += root[lane] > 0.0 ? 0.0 : 1.0;
   return loadEight(inverse);
 }
 
