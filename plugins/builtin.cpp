@@ -9,6 +9,7 @@
 #include <quiver/solvers/backends/dense_solver.h>
 #include <quiver/solvers/backends/eigen_solver.h>
 #include <quiver/solvers/backends/pcg_solver.h>
+#include <quiver/solvers/backends/power_solver.h>
 #include <quiver/types_sba/register.h>
 #include <quiver/types_slam2d/register.h>
 #include <quiver/types_slam3d/register.h>
@@ -40,6 +41,14 @@ void registerLinearSystems(Registry& registry) {
                                return makePcgSolver({options.linearTolerance, options.maxLinearIterations, true});
                              });
                            });
+  registry.addLinearSystem(
+      "power", "Power series of the reduced system after elimination: low accuracy, little memory.",
+      [](const Options& options) {
+        return std::make_unique<AutomaticSystem>([options] {
+          return makePowerSolver(options.linearTolerance,
+                                 options.maxLinearIterations > 0 ? options.maxLinearIterations : 10000);
+        });
+      });
 }
 
 void registerInitializers(Registry& registry) {

@@ -21,6 +21,7 @@ class AutomaticSystem final : public LinearSystem {
   bool eliminates(const Problem& problem, const Options& options) const override;
   void analyze(const Problem& problem, const Options& options, int threads) override;
   CostTotals linearize(const State& state) override { return system_->linearize(state); }
+  std::optional<CostTotals> tryState(const State& trial) override { return system_->tryState(trial); }
   LinearOutcome solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) override {
     return system_->solve(damping, delta, stop);
   }

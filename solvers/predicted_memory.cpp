@@ -27,7 +27,7 @@ std::int64_t predictSolverBytes(const LinearSolver& solver, const BlockPattern& 
   const std::int64_t scalars = pattern.layout().scalars();
   const std::string name = solver.name();
   if (name == "dense") return scalars * (scalars + 16) * 8;
-  if (name == "pcg") return (scalars * 6 + std::int64_t{pattern.blocks()} * 100) * 8;
+  if (name == "pcg" || name == "power") return (scalars * 6 + std::int64_t{pattern.blocks()} * 100) * 8;
   std::vector<int> order(static_cast<std::size_t>(pattern.blocks()));
   std::iota(order.begin(), order.end(), 0);
   return static_cast<std::int64_t>(factorExcess * 8.0 * static_cast<double>(predictFactor(pattern, order).nonzeros));

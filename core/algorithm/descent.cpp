@@ -75,6 +75,10 @@ CostTotals Descent::tryStep() {
   const double square = sumInLanes(delta_.size(), [&](std::size_t i) { return delta_[i] * delta_[i]; });
   relativeStep_ = std::sqrt(square) / (problem_.stateNorm() + 1e-10);
   report_.seconds.update += watch.lap();
+  // After a rejected step the next one is likely to be rejected too: then the cost alone is computed.
+  if (!rejected_) {
+    if (const auto tried = system_.tryState(problem_.trial())) return *tried;
+  }
   const CostTotals trial = problem_.evaluate(problem_.trial());
   report_.seconds.evaluate += watch.lap();
   return trial;
@@ -86,6 +90,7 @@ bool Descent::accept(const CostTotals& trial) {
     bestSaved_ = true;
   }
   const double costBefore = totals_.cost;
+  rejected_ = false;
   report_.gradient = gradientNorm();
   problem_.acceptTrial();
   totals_ = system_.linearize(problem_.state());
@@ -100,6 +105,7 @@ bool Descent::accept(const CostTotals& trial) {
 }
 
 void Descent::reject() {
+  rejected_ = true;
   report_.gradient = gradientNorm();
   emitReport(false);
 }

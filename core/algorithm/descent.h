@@ -64,6 +64,7 @@ class Descent {
   CostTotals totals_;
   double bestCost_ = 0.0;
   bool bestSaved_ = false;
+  bool rejected_ = false;
   double firstGradient_ = 0.0;
   double relativeStep_ = 0.0;
   std::vector<double> delta_;

@@ -44,6 +44,10 @@ static_assert(gaugeDirections <= padded);
 /// Edges a piece, at least; pieces at most.
 constexpr std::int64_t pieceEdges = 4096;
 constexpr std::int64_t mostPieces = 16;
+/// (J G)ᵀ(J G) cancels to ε²; genuine priors of weight 1e-14 of the sum are priors no more.
+constexpr double unnoticed = 1e-14;
+/// What some edges notice so clearly the others cannot hide.
+constexpr double clearlyNoticed = 1e-4;
 
 /// Σ (J G)ᵀ(J G) over the edges of a component, and Σ over edges and roles of ‖J_role G‖² per generator, the scale of
 /// the sum; and GᵀG.
@@ -128,6 +132,43 @@ std::vector<double> slotGenerators(const Problem& problem, std::vector<std::int6
     begin[static_cast<std::size_t>(slot)] = at;
   }
   return all;
+}
+
+/// Eigenvalues below `zero` of the rows and columns `live` of a matrix, scaled by the roots of `scale`.
+int nullity(const Generators& matrix, std::span<const double> scale, const std::vector<int>& live, double zero) {
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, gaugeDirections, gaugeDirections> scaled(live.size(),
+                                                                                                    live.size());
+  for (std::size_t a = 0; a < live.size(); ++a) {
+    for (std::size_t b = 0; b < live.size(); ++b) {
+      const double product = scale[static_cast<std::size_t>(live[a])] * scale[static_cast<std::size_t>(live[b])];
+      scaled(static_cast<int>(a), static_cast<int>(b)) = matrix(live[a], live[b]) / std::sqrt(product);
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<decltype(scaled)> eigen(scaled, Eigen::EigenvaluesOnly);
+  return static_cast<int>((eigen.eigenvalues().array() < zero).count());
+}
+
+/// The combinations of generators that change errors by less than `noticed` of their scale, less those that move
+/// nothing at all: among the generators of a single vertex, say, there are more than it has directions.
+int freeDirections(const Products& products, double noticed) {
+  // Generators that move nothing (a roll in the plane) are left out; the others are scaled to compare with each other.
+  std::vector<int> live;
+  for (int k = 0; k < gaugeDirections; ++k) {
+    if (products.scale[static_cast<std::size_t>(k)] > 0.0) live.push_back(k);
+  }
+  if (live.empty()) return 0;
+  const Eigen::Map<const Generators, 0, Eigen::OuterStride<padded>> square(products.square.data());
+  const Eigen::Matrix<double, gaugeDirections, 1> lengths = products.gram.diagonal();
+  const int unseen = nullity(square, products.scale, live, noticed);
+  const int motionless = nullity(products.gram, {lengths.data(), gaugeDirections}, live, 1e-13);
+  return std::max(0, unseen - motionless);
+}
+
+/// Whether every generator is noticed beyond doubt already.
+bool clearlyHeld(const Products& products) {
+  const bool seen = std::all_of(products.scale.begin(), products.scale.begin() + gaugeDirections,
+                                [](double scale) { return scale > 0.0; });
+  return seen && freeDirections(products, clearlyNoticed) == 0;
 }
 
 /// What adding edges reads.
@@ -215,6 +256,8 @@ void addPiece(const EdgeSource& source, std::int64_t piece, std::int64_t pieces,
       scratch.resize(2 * static_cast<std::size_t>(shape.rows * padded));
       (wide ? addPanelAvx2 : addPanelGeneric)(source, batch, first, count, shape, buffer.panel(), scratch.data(),
                                               products.data());
+      // A few edges of known points settle the matter for the pose of one camera.
+      if (pieces == 1 && products.size() == 1 && first == begin && clearlyHeld(products.front())) return;
     }
   }
 }
@@ -224,37 +267,6 @@ void addVertex(const double* generators, int dimension, Products& products) {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, gaugeDirections, Eigen::RowMajor>;
   const Eigen::Map<const Rows, 0, Eigen::OuterStride<padded>> G(generators, dimension, gaugeDirections);
   products.gram += G.transpose() * G;
-}
-
-/// Eigenvalues below `zero` of the rows and columns `live` of a matrix, scaled by the roots of `scale`.
-int nullity(const Generators& matrix, std::span<const double> scale, const std::vector<int>& live, double zero) {
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, gaugeDirections, gaugeDirections> scaled(live.size(),
-                                                                                                    live.size());
-  for (std::size_t a = 0; a < live.size(); ++a) {
-    for (std::size_t b = 0; b < live.size(); ++b) {
-      const double product = scale[static_cast<std::size_t>(live[a])] * scale[static_cast<std::size_t>(live[b])];
-      scaled(static_cast<int>(a), static_cast<int>(b)) = matrix(live[a], live[b]) / std::sqrt(product);
-    }
-  }
-  const Eigen::SelfAdjointEigenSolver<decltype(scaled)> eigen(scaled, Eigen::EigenvaluesOnly);
-  return static_cast<int>((eigen.eigenvalues().array() < zero).count());
-}
-
-/// The combinations of generators that change no error, less those that move nothing at all: among the generators of a
-/// single vertex, say, there are more than it has directions.
-int freeDirections(const Products& products) {
-  // Generators that move nothing (a roll in the plane) are left out; the others are scaled to compare with each other.
-  std::vector<int> live;
-  for (int k = 0; k < gaugeDirections; ++k) {
-    if (products.scale[static_cast<std::size_t>(k)] > 0.0) live.push_back(k);
-  }
-  if (live.empty()) return 0;
-  // (J G)ᵀ(J G) cancels to ε²; genuine priors of weight 1e-14 of the sum are priors no more.
-  const Eigen::Map<const Generators, 0, Eigen::OuterStride<padded>> square(products.square.data());
-  const Eigen::Matrix<double, gaugeDirections, 1> lengths = products.gram.diagonal();
-  const int unnoticed = nullity(square, products.scale, live, 1e-14);
-  const int motionless = nullity(products.gram, {lengths.data(), gaugeDirections}, live, 1e-13);
-  return std::max(0, unnoticed - motionless);
 }
 
 }  // namespace
@@ -284,7 +296,7 @@ std::vector<ComponentGauge> findGauges(const Problem& problem) {
   }
   for (std::size_t i = 0; i < gauges.size(); ++i) {
     gauges[i].anchor = findAnchor(problem, gauges[i].variables);
-    gauges[i].free = gauges[i].tested ? freeDirections(products[i]) : 0;
+    gauges[i].free = gauges[i].tested ? freeDirections(products[i], unnoticed) : 0;
   }
   return gauges;
 }

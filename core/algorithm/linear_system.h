@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include <quiver/core/algorithm/summary.h>
@@ -52,6 +53,10 @@ class LinearSystem {
 
   /// Computes H and g at a state, and the totals there.
   virtual CostTotals linearize(const State& state) = 0;
+
+  /// Totals at a trial, for a system that linearises there at once, since `linearize` at the same state, unchanged,
+  /// then costs nothing; H and g stay those of the last `linearize` until then. Nothing for a system that does not.
+  virtual std::optional<CostTotals> tryState(const State&) { return std::nullopt; }
 
   /// delta = −(H + diag(damping))⁻¹ g; `damping` has an entry ≥ 0 for every scalar, or is empty.
   virtual LinearOutcome solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) = 0;

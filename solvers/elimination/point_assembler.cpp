@@ -42,6 +42,9 @@ PointAssembler::PointAssembler(const Problem& problem, const EliminationPlan& pl
   hessian_ =
       BlockMatrix(std::make_shared<const BlockPattern>(BlockPattern::fromPairs(plan.keptLayout(), directPairs(plan))));
   keptGradient_.assign(static_cast<std::size_t>(plan.keptLayout().scalars()), 0.0);
+  trialSums_ = AlignedBuffer(sums_.size());
+  trialHessian_ = hessian_;
+  trialGradient_ = keptGradient_;
   cutPieces();
   placeRecords();
   workspaces_.resize(pieces_.size());
@@ -128,6 +131,19 @@ void PointAssembler::placePairs(const EliminationPlan::Row& row, const RowKind& 
   }
 }
 
+CostTotals PointAssembler::linearizeTrial(const State& state, PhaseSeconds& seconds) {
+  takeTrial();
+  const CostTotals totals = linearize(state, seconds);
+  takeTrial();
+  return totals;
+}
+
+void PointAssembler::takeTrial() {
+  std::swap(sums_, trialSums_);
+  std::swap(hessian_, trialHessian_);
+  std::swap(keptGradient_, trialGradient_);
+}
+
 CostTotals PointAssembler::linearize(const State& state, PhaseSeconds& seconds) {
   Stopwatch watch;
   parallelFor(static_cast<std::int64_t>(pieces_.size()), threads_, [&](std::int64_t p) {
@@ -162,17 +178,28 @@ void PointAssembler::linearizePiece(const State& state, std::size_t p, Workspace
   piece.totals = {};
   std::fill(records_.data() + piece.recordBegin, records_.data() + piece.recordEnd, 0.0);
   std::fill(work.nowhere.data(), work.nowhere.data() + work.nowhere.size(), 0.0);
-  for (int g = piece.groupBegin; g < piece.groupEnd; ++g) {
-    const EliminationPlan::Group& group = plan_->groups()[static_cast<std::size_t>(g)];
-    double* sums = sums_.data() + group.sums;
-    std::fill_n(sums, detail::pointNumbers(group.dimension) * lanes, 0.0);
-    for (int begin = group.rowBegin; begin < group.rowEnd;) {
-      const int end = linearizer_->runEnd(begin, group.rowEnd);
-      const Panel& panel = linearizer_->linearize(state, begin, end, work.rows, &piece.totals);
-      for (int r = begin; r < end; ++r) addRow(p, r, r - begin, panel, sums, work);
-      begin = end;
+  if (piece.groupBegin == piece.groupEnd) return;
+  const std::vector<EliminationPlan::Group>& groups = plan_->groups();
+  auto group = groups.begin() + piece.groupBegin;
+  const int end = groups[static_cast<std::size_t>(piece.groupEnd - 1)].rowEnd;
+  double* sums = startSums(*group);
+  // Runs of rows may reach across groups.
+  for (int begin = group->rowBegin; begin < end;) {
+    const int runEnd = linearizer_->runEnd(begin, end);
+    const Panel& panel = linearizer_->linearize(state, begin, runEnd, work.rows, &piece.totals);
+    for (int r = begin; r < runEnd; ++r) {
+      while (r >= group->rowEnd) sums = startSums(*++group);
+      addRow(p, r, r - begin, panel, sums, work);
     }
+    begin = runEnd;
   }
+  while (++group != groups.begin() + piece.groupEnd) startSums(*group);
+}
+
+double* PointAssembler::startSums(const EliminationPlan::Group& group) {
+  double* sums = sums_.data() + group.sums;
+  std::fill_n(sums, detail::pointNumbers(group.dimension) * lanes, 0.0);
+  return sums;
 }
 
 void PointAssembler::addRow(std::size_t p, int r, int panelRow, const Panel& panel, double* sums, Workspace& work) {
@@ -316,8 +343,8 @@ void PointAssembler::scatter(std::span<double> gradient, std::span<double> diago
 std::int64_t PointAssembler::bytes() const {
   const std::int64_t lists = static_cast<std::int64_t>(keptRecords_.size() + entryRecords_.size() + pairs_.size()) * 4 +
                              static_cast<std::int64_t>(pairBegin_.size()) * 8;
-  return lists + (records_.size() + sums_.size()) * 8 + static_cast<std::int64_t>(hessian_.values().size()) * 8 +
-         static_cast<std::int64_t>(keptGradient_.size()) * 8 +
+  return lists + (records_.size() + 2 * sums_.size()) * 8 + static_cast<std::int64_t>(hessian_.values().size()) * 16 +
+         static_cast<std::int64_t>(keptGradient_.size()) * 16 +
          static_cast<std::int64_t>(workspaces_.size()) * RowLinearizer::workspaceBytes(*plan_);
 }
 

@@ -25,6 +25,10 @@ class PointAssembler {
 
   /// O(edges). Allocates nothing.
   CostTotals linearize(const State& state, PhaseSeconds& seconds);
+  /// The same, kept aside: what the functions below answer stays that of the last `linearize` until `takeTrial`.
+  CostTotals linearizeTrial(const State& state, PhaseSeconds& seconds);
+  /// What was kept aside takes the place of the last linearisation.
+  void takeTrial();
 
   /// Sums of all points, at Group::sums.
   const double* sums() const { return sums_.data(); }
@@ -60,6 +64,7 @@ class PointAssembler {
   void placeRecords();
   void placePairs(const EliminationPlan::Row& row, const RowKind& kind);
   void linearizePiece(const State& state, std::size_t piece, Workspace& work);
+  double* startSums(const EliminationPlan::Group& group);
   void addRow(std::size_t piece, int row, int panelRow, const Panel& panel, double* sums, Workspace& work);
   void addPairs(std::size_t piece, const EliminationPlan::Row& row, const RowKind& kind, int panelRow,
                 const Panel& panel, Workspace& work);
@@ -82,6 +87,10 @@ class PointAssembler {
   AlignedBuffer sums_;
   BlockMatrix hessian_;
   std::vector<double> keptGradient_;
+  /// The same of a trial.
+  AlignedBuffer trialSums_;
+  BlockMatrix trialHessian_;
+  std::vector<double> trialGradient_;
 };
 
 }  // namespace quiver

@@ -201,7 +201,7 @@ bool PointEliminator::reduce(const State& state, BlockMatrix& matrix, std::span<
   std::atomic<bool> stopped{false};
   parallelFor(static_cast<std::int64_t>(slabs_.size()), threads_, [&](std::int64_t s) {
     Slab& slab = slabs_[static_cast<std::size_t>(s)];
-    if (s == 0) startMatrix(matrix, right);  // only the first slab writes there
+    if (s == 0) startReduced(matrix, right);  // only the first slab writes there
     std::fill(slab.copy.data(), slab.copy.data() + slab.copy.size(), 0.0);
     std::fill(slab.right.begin(), slab.right.end(), 0.0);
     for (int t = slab.tileBegin; t < slab.tileEnd; ++t) {
@@ -216,7 +216,12 @@ bool PointEliminator::reduce(const State& state, BlockMatrix& matrix, std::span<
 }
 
 /// S ← H + D and s ← g of the kept vertices.
-void PointEliminator::startMatrix(BlockMatrix& matrix, std::span<double> right) {
+void PointEliminator::startReduced(BlockMatrix& matrix, std::span<double> right) {
+  startMatrix(matrix);
+  std::copy(assembler_->keptGradient().begin(), assembler_->keptGradient().end(), right.begin());
+}
+
+void PointEliminator::startMatrix(BlockMatrix& matrix) const {
   matrix.setZero();
   const BlockMatrix& hessian = assembler_->hessian();
   const BlockPattern& direct = hessian.pattern();
@@ -238,7 +243,6 @@ void PointEliminator::startMatrix(BlockMatrix& matrix, std::span<double> right) 
     const double* own = damping_.data() + problem_->offset(plan_->keptVariable(column));
     for (int c = 0; c < columns; ++c) diagonal[c * (columns + 1)] += own[c];
   }
-  std::copy(assembler_->keptGradient().begin(), assembler_->keptGradient().end(), right.begin());
 }
 
 void PointEliminator::reduceTile(const State& state, int t, int slabIndex, BlockMatrix& matrix,

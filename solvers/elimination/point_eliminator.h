@@ -37,6 +37,8 @@ class PointEliminator {
   /// Points that V leaves undetermined in at least one direction, ascending variables.
   std::vector<int> singularPoints() const;
 
+  /// H + D of the kept vertices, as far as the matrix has entries for it.
+  void startMatrix(BlockMatrix& matrix) const;
   /// S and s at the state linearised last. Returns false if stopped.
   bool reduce(const State& state, BlockMatrix& matrix, std::span<double> right, const StopCondition& stop);
   /// The points' part of delta, from that of the kept vertices.
@@ -81,7 +83,7 @@ class PointEliminator {
   Workspace makeWorkspace() const;
   unsigned factorGroup(int group, std::span<const double> damping, double* damped, double* factor) const;
   const double* factorOf(int group) const;
-  void startMatrix(BlockMatrix& matrix, std::span<double> right);
+  void startReduced(BlockMatrix& matrix, std::span<double> right);
   void reduceTile(const State& state, int tile, int slabIndex, BlockMatrix& matrix, std::span<double> right);
   void writeRecords(const State& state, int group, Slab& slab, Workspace& work);
   void visitBlocks(std::int64_t begin, std::int64_t end, int e, const double* records, double* values, double* right);

@@ -61,6 +61,7 @@ void SchurSystem::analyze(const Problem& problem, const Options& options, int th
   problem_ = &problem;
   plan_ = {};
   surveyed_ = false;
+  tried_ = nullptr;
   const EliminationChoice choice = choice_ ? *choice_ : chooseElimination(problem, options);
   plan_.eliminated = choice.count;
   plan_.eliminatedTypes = choice.types;
@@ -88,11 +89,17 @@ void SchurSystem::planReduced(const Options& options) {
   BlockPattern natural = cliquePattern(elimination_.keptLayout(), neighbours_, direct);
   plan_.linearSolverReason = "as asked";
   if (choose_) chooseSolver(natural, options);
-  implicit_ = solver_->name() == "pcg" && prefersProducts(natural, elimination_);
+  sums_ = solver_->name() == "power";
+  implicit_ = sums_ || (solver_->name() == "pcg" && prefersProducts(natural, elimination_));
   if (implicit_) {
     // Of S the diagonal blocks alone, for the preconditioner.
     natural = BlockPattern::fromPairs(elimination_.keptLayout(), {});
     conjugate_ = ConjugateReduction({options.linearTolerance, options.maxLinearIterations});
+    if (options.maxLinearIterations > 0) {
+      series_ = PowerSeries({options.linearTolerance, options.maxLinearIterations});
+    } else {
+      series_ = PowerSeries();
+    }
     solver_ = makeBlockSolver();
   }
   BlockOrdering ordering = solver_->order(natural);
@@ -101,7 +108,7 @@ void SchurSystem::planReduced(const Options& options) {
   for (std::size_t block = 0; block < order_.size(); ++block)
     position_[static_cast<std::size_t>(order_[block])] = static_cast<int>(block);
   pattern_ = std::make_shared<const BlockPattern>(natural.permuted(order_));
-  plan_.linearSolver = implicit_ ? "pcg, implicit" : solver_->name();
+  plan_.linearSolver = sums_ ? "power" : implicit_ ? "pcg, implicit" : solver_->name();
   plan_.ordering = ordering.name;
 }
 
@@ -133,7 +140,7 @@ void SchurSystem::chooseSolver(const BlockPattern& pattern, const Options& optio
 
 std::int64_t SchurSystem::predictBytes() const {
   std::int64_t bytes =
-      elimination_.bytes() + RowLinearizer::predictBytes(*problem_, elimination_) + 2 * elimination_.sumNumbers() * 8;
+      elimination_.bytes() + RowLinearizer::predictBytes(*problem_, elimination_) + 3 * elimination_.sumNumbers() * 8;
   if (elimination_.kept() == 0) return bytes;
   bytes += static_cast<std::int64_t>(neighbours_.kept.size()) * 2;  // places
   if (!implicit_) {
@@ -174,8 +181,15 @@ void SchurSystem::layOut(int threads) {
 
 CostTotals SchurSystem::linearize(const State& state) {
   state_ = &state;
-  linearizer_.refresh();
-  const CostTotals totals = assembler_.linearize(state, seconds_);
+  CostTotals totals;
+  if (tried_ != nullptr && tried_ == state.data()) {
+    assembler_.takeTrial();
+    totals = triedTotals_;
+  } else {
+    linearizer_.refresh();
+    totals = assembler_.linearize(state, seconds_);
+  }
+  tried_ = nullptr;
   Stopwatch watch;
   assembler_.scatter(gradient_, diagonal_);
   if (!surveyed_) {
@@ -184,6 +198,12 @@ CostTotals SchurSystem::linearize(const State& state) {
   }
   seconds_.assemble += watch.lap();
   return totals;
+}
+
+std::optional<CostTotals> SchurSystem::tryState(const State& trial) {
+  triedTotals_ = assembler_.linearizeTrial(trial, seconds_);
+  tried_ = trial.data();
+  return triedTotals_;
 }
 
 void SchurSystem::nameSingular() {
@@ -212,15 +232,19 @@ LinearOutcome SchurSystem::solve(std::span<const double> damping, std::span<doub
 LinearOutcome SchurSystem::solveReduced(std::span<double> delta, const StopCondition& stop) {
   Stopwatch watch;
   if (!eliminator_.reduce(*state_, matrix_, right_, stop)) return {.kind = LinearOutcome::Kind::interrupted};
+  if (sums_) eliminator_.startMatrix(matrix_);
   seconds_.eliminate += watch.lap();
   SolverStatus status = solver_->factorize(matrix_, {}, stop);
   seconds_.factorize += watch.lap();
   if (!status.ok()) return outcomeOf(status);
   LinearOutcome outcome;
   if (implicit_) {
-    outcome = conjugate_.solve(
-        right_, [&](std::span<double> x) { return applyFactor(x); },
-        [&](std::span<const double> x, std::span<double> y) { eliminator_.multiplyReduced(*state_, x, y); }, stop);
+    const auto precondition = [&](std::span<double> x) { return applyFactor(x); };
+    const auto multiply = [&](std::span<const double> x, std::span<double> y) {
+      eliminator_.multiplyReduced(*state_, x, y);
+    };
+    outcome = sums_ ? series_.solve(right_, precondition, multiply, stop)
+                    : conjugate_.solve(right_, precondition, multiply, stop);
   } else {
     status = applyFactor(right_);
     outcome = outcomeOf(status);

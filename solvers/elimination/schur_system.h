@@ -10,6 +10,7 @@
 #include <quiver/solvers/elimination/conjugate_reduction.h>
 #include <quiver/solvers/elimination/elimination_choice.h>
 #include <quiver/solvers/elimination/point_eliminator.h>
+#include <quiver/solvers/elimination/power_series.h>
 
 namespace quiver {
 
@@ -17,7 +18,7 @@ namespace quiver {
 /// complement S, is solved by a linear solver, then each eliminated variable by itself.
 ///
 /// Where S would be large and sparse in products it is never formed: conjugate gradients multiply with it through the
-/// edges, preconditioned with its diagonal blocks.
+/// edges, preconditioned with its diagonal blocks. Asked for the solver "power", a power series does.
 ///
 /// Every pass over the edges linearises anew: `linearize` once for H's diagonal blocks and g, `solve` once for S and
 /// once to substitute back. Eliminated variables whose block is singular are left as they are in the directions
@@ -29,6 +30,7 @@ class SchurSystem final : public LinearSystem {
 
   void analyze(const Problem& problem, const Options& options, int threads) override;
   CostTotals linearize(const State& state) override;
+  std::optional<CostTotals> tryState(const State& trial) override;
   LinearOutcome solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) override;
   std::span<const double> gradient() const override { return gradient_; }
   std::span<const double> diagonal() const override { return diagonal_; }
@@ -51,6 +53,8 @@ class SchurSystem final : public LinearSystem {
   bool choose_ = false;
   bool implicit_ = false;
   ConjugateReduction conjugate_;
+  bool sums_ = false;
+  PowerSeries series_;
   std::optional<EliminationChoice> choice_;
   EliminationPlan elimination_;
   RowLinearizer linearizer_;
@@ -66,6 +70,9 @@ class SchurSystem final : public LinearSystem {
   std::vector<double> gradient_;
   std::vector<double> diagonal_;
   const State* state_ = nullptr;
+  /// Memory of the state that was tried last, null once it is taken, and the totals there.
+  const double* tried_ = nullptr;
+  CostTotals triedTotals_;
   bool surveyed_ = false;
   SolvePlan plan_;
   PhaseSeconds seconds_;
