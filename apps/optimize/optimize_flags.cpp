@@ -81,7 +81,9 @@ void addAlgorithmFlags(CLI::App& command, OptimizeFlags& flags) {
                   "g2o's, as lm_var_cholmod")
       ->type_name("auto|gn|lm|dogleg|NAME")
       ->capture_default_str();
-  command.add_option("--solver", flags.solver, "Linear solver: auto, block, dense, eigen, cholmod, pcg, power, or a plugin's")
+  command
+      .add_option("--solver", flags.solver,
+                  "Linear solver: auto, block, dense, eigen, cholmod, pcg, power, or a plugin's")
       ->type_name("NAME")
       ->capture_default_str();
   command
