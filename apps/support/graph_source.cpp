@@ -6,27 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <quiver/apps/support/cholmod_on_demand.h>
 #include <quiver/core/util/stopwatch.h>
 #include <quiver/plugins/builtin.h>
 #include <quiver/plugins/plugin_loader.h>
-#ifdef QUIVER_CHOLMOD
-#  include <quiver/solvers/backends/cholmod/cholmod_solver.h>
-#  include <quiver/solvers/normal_equations.h>
-#endif
 
 namespace quiver::app {
-namespace {
-
-void registerCholmod(Registry& registry) {
-#ifdef QUIVER_CHOLMOD
-  registry.addLinearSystem("cholmod", "SuiteSparse's CHOLMOD on scalars, supernodal or simplicial as it decides (GPL).",
-                           [](const Options&) { return std::make_unique<NormalEquations>(makeCholmodSolver()); });
-#else
-  static_cast<void>(registry);
-#endif
-}
-
-}  // namespace
 
 void addPluginOption(CLI::App& command, std::vector<std::string>& plugins) {
   command.add_option("--plugin", plugins, "Shared library that brings types or solvers; may be given again")
@@ -78,7 +63,7 @@ CLI::Option* addDialectOption(CLI::App& command, Dialect& dialect) {
 
 std::shared_ptr<Registry> makeRegistry(const std::vector<std::string>& plugins) {
   auto registry = builtinRegistry();
-  registerCholmod(*registry);
+  addCholmodOnDemand(*registry);
   for (const std::string& plugin : plugins) loadPlugin(*registry, plugin);
   return registry;
 }
