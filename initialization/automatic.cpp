@@ -19,6 +19,20 @@ double chi2Of(Problem& problem) {
   return totals.finite() ? totals.chi2 : HUGE_VAL;
 }
 
+/// Numbers that the measurements have more than the free vertices: what chi2 is at a solution, on average.
+std::int64_t redundancy(const Problem& problem) {
+  std::int64_t residuals = 0;
+  for (int b = 0; b < problem.batches(); ++b) {
+    const EdgeBatch& batch = problem.batch(b);
+    if (batch.uniform()) {
+      residuals += std::int64_t{batch.size()} * batch.largestShape().rows;
+    } else {
+      for (int edge = 0; edge < batch.size(); ++edge) residuals += batch.shape(edge).rows;
+    }
+  }
+  return residuals - problem.scalars();
+}
+
 /// The estimates of all vertices, to bring them back.
 class Estimates {
  public:
@@ -58,6 +72,10 @@ AutomaticStart automaticStart(Graph& graph, const Options& options) {
   const int threads = options.threads > 0 ? options.threads : hardwareThreads();
   Problem problem(graph, {options.level, options.free, threads});
   const double before = chi2Of(problem);
+  if (const std::int64_t redundant = redundancy(problem); before <= static_cast<double>(redundant)) {
+    start.reason += fmt::format(": chi2 {:.6g} is within the noise of {} redundant measurements", before, redundant);
+    return start;
+  }
   Estimates saved(graph);
   try {
     const std::string chordal = chordalEstimate(graph, options);

@@ -16,8 +16,9 @@ struct AutomaticStart {
 };
 
 /// The best start at hand: the graph's own estimates if every vertex has one, else a spanning tree's; and chordal
-/// relaxation's instead where its chi2 is lower. Throws GraphError if an edge cannot tell a vertex that has no
-/// estimate.
+/// relaxation's instead where its chi2 is lower. A start that explains all measurements within their noise already
+/// (chi2 at most the number of redundant ones) is kept without looking further. Throws GraphError if an edge cannot
+/// tell a vertex that has no estimate.
 AutomaticStart automaticStart(Graph& graph, const Options& options = {});
 
 /// automaticStart() as an initialiser: returns its sentence.

@@ -127,9 +127,11 @@ CeresResult solveWithCeres(const std::string& file, int iterations, int threads,
   result.solveSeconds = secondsOf([&] { ceres::Solve(options, &problem, &summary); });
   result.chi2 = 2.0 * summary.final_cost;
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;
+  std::vector<double> seconds;
   for (const auto& iteration : summary.iterations) {
-    if (iteration.iteration > 0) result.iterationSeconds += iteration.iteration_time_in_seconds;
+    if (iteration.iteration > 0) seconds.push_back(iteration.iteration_time_in_seconds);
   }
+  result.iterationSeconds = median(seconds);
   result.converged = summary.termination_type == ceres::CONVERGENCE;
   return result;
 }

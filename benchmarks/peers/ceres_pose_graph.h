@@ -7,7 +7,7 @@ namespace quiver::bench {
 struct CeresResult {
   double chi2 = 0.0;
   int iterations = 0;
-  /// Reading the file and building the problem; the solve; its iterations alone.
+  /// Reading the file and building the problem; the solve; its median iteration.
   double loadSeconds = 0.0;
   double solveSeconds = 0.0;
   double iterationSeconds = 0.0;

@@ -15,6 +15,9 @@ namespace quiver {
 namespace {
 
 constexpr int pieceEdges = 256;
+/// Nanoseconds, about: what is worth a thread.
+constexpr double evaluationPerRow = 3.0;
+constexpr double retractionPerVariable = 25.0;
 
 bool coversAll(std::uint64_t mask, int dimension) {
   const std::uint64_t all = dimension >= 64 ? Vertex::allDirections : (std::uint64_t{1} << dimension) - 1;
@@ -190,7 +193,10 @@ void Problem::makeBatches(std::vector<std::vector<const Edge*>> edges, const std
   }
   counting_.resize(static_cast<std::size_t>(largest));
   std::iota(counting_.begin(), counting_.end(), 0);
-  const int tasks = threads_ == 1 ? 1 : 4 * threads_;
+  double nanoseconds = 0.0;
+  for (const auto& batch : batches_) nanoseconds += evaluationPerRow * batch->size() * batch->largestShape().rows;
+  evaluationThreads_ = worthwhileThreads(threads_, nanoseconds);
+  const int tasks = evaluationThreads_ == 1 ? 1 : 4 * evaluationThreads_;
   panels_.resize(static_cast<std::size_t>(tasks));
   for (auto& panels : panels_) {
     for (const auto& batch : batches_) panels.emplace_back(batch->largestShape(), false);
@@ -229,7 +235,8 @@ void Problem::saveBest() {
 void Problem::retract(std::span<const double> delta) {
   constexpr int piece = 256;
   const int count = variables();
-  parallelFor((count + piece - 1) / piece, threads_, [&](std::int64_t p) {
+  const int threads = worthwhileThreads(threads_, retractionPerVariable * count);
+  parallelFor((count + piece - 1) / piece, threads, [&](std::int64_t p) {
     const int end = std::min(count, static_cast<int>(p + 1) * piece);
     for (int variable = static_cast<int>(p) * piece; variable < end; ++variable) {
       const int slot = slotOfVariable(variable);
@@ -276,7 +283,7 @@ CostTotals Problem::evaluate(const State& state) {
   };
   const std::int64_t tasks = static_cast<std::int64_t>(panels_.size());
   const std::int64_t count = static_cast<std::int64_t>(pieces_.size());
-  parallelFor(tasks, threads_, [&](std::int64_t task) {
+  parallelFor(tasks, evaluationThreads_, [&](std::int64_t task) {
     for (std::int64_t i = task * count / tasks; i < (task + 1) * count / tasks; ++i) {
       evaluatePiece(pieces_[static_cast<std::size_t>(i)], panels_[static_cast<std::size_t>(task)]);
     }

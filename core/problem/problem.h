@@ -99,6 +99,7 @@ class Problem {
 
   Graph* graph_;
   int threads_;
+  int evaluationThreads_ = 1;
   std::vector<Vertex*> vertices_;
   StateLayout layout_;
   std::vector<int> slotVariables_;

@@ -1,5 +1,6 @@
 #include <quiver/core/util/parallel.h>
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <thread>
@@ -46,6 +47,11 @@ int hardwareThreads() {
   const unsigned count = std::thread::hardware_concurrency();
   return count == 0 ? 1 : static_cast<int>(count);
 #endif
+}
+
+int worthwhileThreads(int threads, double nanoseconds) {
+  constexpr double leastShare = 1e5;  // waking a sleeping thread takes about half of it
+  return static_cast<int>(std::clamp(nanoseconds / leastShare, 1.0, static_cast<double>(std::max(1, threads))));
 }
 
 void parallelFor(std::int64_t count, int threads, FunctionRef<void(std::int64_t)> task) {

@@ -9,6 +9,10 @@ namespace quiver {
 /// The number of threads the machine offers, at least 1.
 int hardwareThreads();
 
+/// How many of `threads` threads a loop of about so many nanoseconds is worth: each must have more to do than waking it
+/// costs. At least 1.
+int worthwhileThreads(int threads, double nanoseconds);
+
 /// Calls task(0) … task(count − 1), each exactly once, on at most `threads` threads, and returns when all are done.
 ///
 /// Which thread runs which task is not fixed, so tasks must write to memory of their own; what a loop computes must
@@ -18,9 +22,9 @@ int hardwareThreads();
 void parallelFor(std::int64_t count, int threads, FunctionRef<void(std::int64_t)> task);
 
 /// Calls task(i, worker) for i = 0 … count − 1, each exactly once, from at most `workers` workers that each own memory
-/// numbered by `worker` (0 … workers − 1): tasks of one worker run one after the other. Which worker takes which task is
-/// not fixed, so a worker's memory may hold nothing that outlives a task. Otherwise as parallelFor; takes the tasks in
-/// ascending order.
+/// numbered by `worker` (0 … workers − 1): tasks of one worker run one after the other. Which worker takes which task
+/// is not fixed, so a worker's memory may hold nothing that outlives a task. Otherwise as parallelFor; takes the tasks
+/// in ascending order.
 void parallelForWorkers(std::int64_t count, int workers, int threads, FunctionRef<void(std::int64_t, int)> task);
 
 }  // namespace quiver

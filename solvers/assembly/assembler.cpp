@@ -15,13 +15,22 @@ constexpr int lanes = Panel::lanes;
 /// Edges a panel call handles: few enough that the panel stays in the first cache.
 constexpr int panelEdges = 16;
 
+/// About what linearising takes, eight edges at a time: structure alone decides about threads.
+double linearizationNanoseconds(const Problem& problem) {
+  constexpr double perRow = 12.0;
+  double sum = 0.0;
+  for (int b = 0; b < problem.batches(); ++b)
+    sum += perRow * problem.batch(b).size() * problem.batch(b).largestShape().rows;
+  return sum;
+}
+
 }  // namespace
 
 Assembler::Assembler(const Problem& problem, BlockMatrix& matrix, std::vector<int> position, int threads)
     : problem_(&problem),
       plan_(problem, matrix, position),
       position_(std::move(position)),
-      threads_(threads),
+      threads_(worthwhileThreads(threads, linearizationNanoseconds(problem))),
       set_(detectInstructionSet()),
       records_(plan_.recordNumbers() + 8, false),
       shared_(plan_.sharedNumbers() + 8, false) {

@@ -43,6 +43,14 @@ TEST(ParallelFor, rethrowsAnException) {
   }
 }
 
+TEST(WorthwhileThreads, growWithTheWork) {
+  EXPECT_EQ(worthwhileThreads(8, 0.0), 1);
+  EXPECT_EQ(worthwhileThreads(8, 1.9e5), 1);
+  EXPECT_EQ(worthwhileThreads(8, 4.5e5), 4);
+  EXPECT_EQ(worthwhileThreads(8, 1e12), 8);
+  EXPECT_EQ(worthwhileThreads(0, 1e12), 1);
+}
+
 TEST(ParallelForWorkers, givesEveryTaskToOneWorkerAtATime) {
   for (const int threads : {1, 2, 3}) {
     for (const int workers : {1, 2, 5}) {

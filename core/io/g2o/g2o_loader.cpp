@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <exception>
 #include <map>
 #include <new>
 #include <stdexcept>
+#include <thread>
 #include <unordered_set>
 
 #include <fmt/format.h>
@@ -15,9 +18,9 @@
 namespace quiver::detail {
 namespace {
 
-constexpr std::size_t chunkSize = std::size_t{1} << 17;
-/// Text that a thread takes about a millisecond for: with less, waking it up costs more than it gains.
-constexpr std::size_t bytesPerThread = std::size_t{1} << 19;
+constexpr std::size_t chunkSize = std::size_t{1} << 15;
+/// Text that a thread takes some tenths of a millisecond for: with less, waking it up costs more than it gains.
+constexpr std::size_t bytesPerThread = std::size_t{1} << 17;
 
 int usefulThreads(int asked, std::size_t bytes) {
   const std::size_t useful = std::max<std::size_t>(1, bytes / bytesPerThread);
@@ -55,12 +58,12 @@ G2oLoader::G2oLoader(const SourceText& source, std::shared_ptr<const Registry> r
 Graph G2oLoader::load() {
   try {
     index();
-    addElements();
+    addVertices();
   } catch (const ParseError& error) {
     checkFieldsBefore(error.line());
     throw;
   }
-  readFields();
+  addEdgesAndReadFields();
   G2oAnnotations annotations(source_, options_, graph_);
   for (const G2oChunk& chunk : chunks_) annotations.apply(chunk);
   annotations.finish();
@@ -100,13 +103,8 @@ void G2oLoader::index() {
   }
 }
 
-void G2oLoader::addElements() {
-  addVertices();
-  addEdges();
-}
-
 void G2oLoader::addVertices() {
-  const Registry& registry = *graph_.registry();
+  const Registry& registry = tags_.registry();
   bool anyVertex = false;
   for (G2oChunk& chunk : chunks_) {
     for (G2oLine& line : chunk.lines) {
@@ -128,7 +126,7 @@ void G2oLoader::addVertices() {
 
 /// TORO files have no lines for landmarks.
 void G2oLoader::addVerticesOfEdges(bool allEdges) {
-  const Registry& registry = *graph_.registry();
+  const Registry& registry = tags_.registry();
   for (const G2oChunk& chunk : chunks_) {
     for (const G2oLine& line : chunk.lines) {
       const bool landmark = line.kind == LineKind::edge && line.entry->dialect == LineDialect::bearingRange;
@@ -146,21 +144,54 @@ void G2oLoader::addVerticesOfEdges(bool allEdges) {
   }
 }
 
-void G2oLoader::addEdges() {
-  const Registry& registry = *graph_.registry();
-  for (G2oChunk& chunk : chunks_) {
-    for (G2oLine& line : chunk.lines) {
-      if (line.kind != LineKind::edge) continue;
-      const auto ids = idsOf(chunk, line);
-      const std::size_t vertices = ids.size() - static_cast<std::size_t>(line.entry->parameters);
-      try {
-        line.element = &graph_.addEdge(*registry.edgeTypes()[static_cast<std::size_t>(line.entry->type)],
-                                       ids.first(vertices), ids.subspan(vertices));
-      } catch (const GraphError& error) {
-        throw edgeError(line, ids, error.what());
-      }
+void G2oLoader::addEdges(G2oChunk& chunk) {
+  const Registry& registry = tags_.registry();
+  for (G2oLine& line : chunk.lines) {
+    if (line.kind != LineKind::edge) continue;
+    const auto ids = idsOf(chunk, line);
+    const std::size_t vertices = ids.size() - static_cast<std::size_t>(line.entry->parameters);
+    try {
+      line.element = &graph_.addEdge(*registry.edgeTypes()[static_cast<std::size_t>(line.entry->type)],
+                                     ids.first(vertices), ids.subspan(vertices));
+    } catch (const GraphError& error) {
+      throw edgeError(line, ids, error.what());
     }
   }
+}
+
+/// Edges are added one after the other, in the order of the file, by the first task; the others read the fields of
+/// chunks whose edges are there. Tasks are taken in order, so whoever waits waits for a task that has begun.
+void G2oLoader::addEdgesAndReadFields() {
+  std::vector<FieldPass> passes(chunks_.size());
+  std::optional<ParseError> refused;
+  std::exception_ptr failure;
+  std::atomic<std::size_t> ready{0};
+  const auto addAll = [&] {
+    try {
+      for (G2oChunk& chunk : chunks_) {
+        addEdges(chunk);
+        ready.fetch_add(1, std::memory_order_release);
+      }
+    } catch (const ParseError& error) {
+      refused = error;
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    ready.store(chunks_.size(), std::memory_order_release);
+  };
+  const auto count = static_cast<std::int64_t>(chunks_.size());
+  parallelFor(count + 1, threads_, [&](std::int64_t task) {
+    if (task == 0) return addAll();
+    const auto k = static_cast<std::size_t>(task - 1);
+    while (ready.load(std::memory_order_acquire) <= k) std::this_thread::yield();
+    readFields(k, passes[k]);
+  });
+  if (failure) std::rethrow_exception(failure);
+  if (refused) {
+    checkFieldsBefore(refused->line());
+    throw *refused;
+  }
+  report(passes);
 }
 
 ParseError G2oLoader::duplicate(const G2oLine& line, std::int64_t id, const char* what) const {
@@ -204,16 +235,17 @@ ParseError G2oLoader::edgeError(const G2oLine& line, std::span<const std::int64_
   return source_.error(line.begin, message);
 }
 
-void G2oLoader::readFields() {
-  std::vector<FieldPass> passes(chunks_.size());
-  parallelFor(static_cast<std::int64_t>(chunks_.size()), threads_, [&](std::int64_t i) {
-    const auto k = static_cast<std::size_t>(i);
-    try {
-      readChunk(chunks_[k], passes[k]);
-    } catch (const ParseError& error) {
-      passes[k].error = error;
+void G2oLoader::readFields(std::size_t chunk, FieldPass& pass) const {
+  try {
+    for (const G2oLine& line : chunks_[chunk].lines) {
+      if (line.element) readElement(line, line.element, pass);
     }
-  });
+  } catch (const ParseError& error) {
+    pass.error = error;
+  }
+}
+
+void G2oLoader::report(const std::vector<FieldPass>& passes) const {
   for (const FieldPass& pass : passes) {
     if (pass.error) throw *pass.error;
   }
@@ -223,14 +255,8 @@ void G2oLoader::readFields() {
   }
 }
 
-void G2oLoader::readChunk(const G2oChunk& chunk, FieldPass& pass) const {
-  for (const G2oLine& line : chunk.lines) {
-    if (line.element) readElement(line, line.element, pass);
-  }
-}
-
 void G2oLoader::readElement(const G2oLine& line, void* element, FieldPass& pass) const {
-  const Registry& registry = *graph_.registry();
+  const Registry& registry = tags_.registry();
   const auto index = static_cast<std::size_t>(line.entry->type);
   G2oFieldReader reader(source_, tags_.elementType(*line.entry), line.begin, line.fields);
   try {
@@ -319,7 +345,7 @@ void G2oLoader::refuseInformation(const std::vector<FieldPass>& passes) const {
 
 void G2oLoader::checkFieldsBefore(std::int64_t line) const {
   FieldPass pass;
-  const Registry& registry = *graph_.registry();
+  const Registry& registry = tags_.registry();
   std::map<const TagEntry*, std::shared_ptr<void>> pools;
   const auto readScratch = [&]<typename Base>(const G2oLine& entry, const auto& types, Base*) {
     std::shared_ptr<void>& pool = pools[entry.entry];

@@ -12,8 +12,8 @@
 namespace quiver::detail {
 
 /// Loads one .g2o text, in four passes: lines are taken apart into tags and ids (parallel), elements are added to the
-/// graph (in the order of the file), their fields are read in place (parallel), and text and marks go to the elements
-/// they belong to.
+/// graph (in the order of the file) while the fields of those that are there are read in place (parallel), and text and
+/// marks go to the elements they belong to.
 class G2oLoader {
  public:
   G2oLoader(const SourceText& source, std::shared_ptr<const Registry> registry, const ReadOptions& options);
@@ -33,12 +33,13 @@ class G2oLoader {
 
   void index();
   bool isToro() const;
-  void addElements();
   void addVertices();
-  void addEdges();
   void addVerticesOfEdges(bool allEdges);
-  void readFields();
-  void readChunk(const G2oChunk& chunk, FieldPass& pass) const;
+  void addEdgesAndReadFields();
+  void addEdges(G2oChunk& chunk);
+  void readFields(std::size_t chunk, FieldPass& pass) const;
+  /// Throws the first error of the passes; counts what was clamped.
+  void report(const std::vector<FieldPass>& passes) const;
   void readElement(const G2oLine& line, void* element, FieldPass& pass) const;
   void readInformation(const EdgeType& type, Edge& edge, bool toro, G2oFieldReader& reader, FieldPass& pass) const;
   /// Sets pass.triangle as the edge's information, if it is one; otherwise mends it or counts it, as the options say.

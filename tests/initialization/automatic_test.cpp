@@ -1,0 +1,54 @@
+#include <quiver/initialization/automatic.h>
+
+#include <gtest/gtest.h>
+
+#include <quiver/quiver.h>
+
+namespace quiver::test {
+namespace {
+
+/// A square loop of planar poses whose estimates are off the truth by `offset` metres in x, alternately.
+Graph squareLoop(double offset) {
+  Graph graph(builtinRegistry());
+  constexpr int poses = 16;
+  for (int i = 0; i < poses; ++i) {
+    const double side = i / 4;
+    const double along = i % 4;
+    const double x = side == 0 ? along : side == 1 ? 4.0 : side == 2 ? 4.0 - along : 0.0;
+    const double y = side == 0 ? 0.0 : side == 1 ? along : side == 2 ? 4.0 : 4.0 - along;
+    graph.addVertex<VertexSE2>(i, SE2<double>(x, y, 0.5 * M_PI * side));
+  }
+  const auto pose = [&](int i) {
+    return static_cast<const VertexSE2&>(*std::as_const(graph).findVertex(i)).estimate();
+  };
+  for (int i = 0; i < poses; ++i) {
+    const int j = (i + 1) % poses;
+    graph.addEdge<EdgeSE2>({i, j}, pose(i).inverse() * pose(j),
+                           Matrix<double, 3, 3>(100.0 * Matrix<double, 3, 3>::Identity()));
+  }
+  for (int i = 0; i < poses; ++i) {
+    auto& vertex = static_cast<VertexSE2&>(*graph.findVertex(i));
+    const SE2<double> x = vertex.estimate();
+    vertex.setEstimate(
+        SE2<double>(x.translation()[0] + (i % 2 == 0 ? offset : -offset), x.translation()[1], x.angle()));
+  }
+  graph.findVertex(0)->setFixed(true);
+  return graph;
+}
+
+TEST(AutomaticStart, keepsEstimatesWithinTheNoise) {
+  Graph graph = squareLoop(0.01);  // χ² of an edge at most 100 · 0.02² = 0.04; 3 numbers too many in all
+  const AutomaticStart start = automaticStart(graph);
+  EXPECT_EQ(start.name, "file");
+  EXPECT_NE(start.reason.find("within the noise of 3 redundant measurements"), std::string::npos) << start.reason;
+  EXPECT_EQ(static_cast<const VertexSE2&>(*std::as_const(graph).findVertex(1)).estimate().translation()[0], 1.0 - 0.01);
+}
+
+TEST(AutomaticStart, looksForABetterStartBeyondTheNoise) {
+  Graph graph = squareLoop(0.5);
+  const AutomaticStart start = automaticStart(graph);
+  EXPECT_EQ(start.name, "chordal") << start.reason;
+}
+
+}  // namespace
+}  // namespace quiver::test
