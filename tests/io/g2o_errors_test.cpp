@@ -242,6 +242,13 @@ TEST(G2oErrors, CountsInformationMatricesOverAllChunks) {
   }
 }
 
+TEST(G2oErrors, LinesThatWouldMakeAnotherFormatAreNotKept) {
+  const ReadOptions keep{.unknown = UnknownTags::keep};
+  EXPECT_EQ(readError(poses + ".5 and more\n", keep), "a.g2o:3:1: unknown tag '.5', which is none that can be kept");
+  EXPECT_EQ(readError(poses + "a,b c\n", keep), "a.g2o:3:1: unknown tag 'a,b', which is none that can be kept");
+  EXPECT_EQ(readError(poses + "a b,c\n", keep), "");
+}
+
 TEST(G2oErrors, NamesTheFile) {
   const test::TemporaryFolder folder;
   const std::string path = folder.path("bad.g2o");

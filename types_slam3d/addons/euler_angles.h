@@ -7,12 +7,14 @@
 
 namespace quiver::detail {
 
-/// The rotation R_z(yaw) R_y(pitch) R_x(roll).
+/// The rotation R_z(yaw) R_y(pitch) R_x(roll), for angles of any size.
 inline SO3<double> fromEuler(double roll, double pitch, double yaw) {
-  const SO3<double> x = SO3<double>::exp(Vector<double, 3>(roll, 0.0, 0.0));
-  const SO3<double> y = SO3<double>::exp(Vector<double, 3>(0.0, pitch, 0.0));
-  const SO3<double> z = SO3<double>::exp(Vector<double, 3>(0.0, 0.0, yaw));
-  return (z * y * x).renormalised();
+  const auto about = [](int axis, double angle) {
+    Vector<double, 3> v = Vector<double, 3>::Zero();
+    v[axis] = std::sin(0.5 * angle);
+    return SO3<double>(v[0], v[1], v[2], std::cos(0.5 * angle));
+  };
+  return (about(2, yaw) * about(1, pitch) * about(0, roll)).renormalised();
 }
 
 /// (roll, pitch, yaw) of a unit quaternion, pitch in [−π/2, π/2].

@@ -73,7 +73,13 @@ void G2oAnnotations::keep(const G2oLine& line) {
 }
 
 void G2oAnnotations::unknown(const G2oLine& line, std::string_view tag) {
-  if (options_.unknown == UnknownTags::keep) keep(line);
+  if (options_.unknown == UnknownTags::keep) {
+    // At the top of a file these would make it one of another format.
+    double number = 0.0;
+    if (tag.find_first_of(",\"") != std::string_view::npos || TextScanner(tag).real(number) == NumberStatus::ok)
+      throw source_.error(line.begin, fmt::format("unknown tag {}, which is none that can be kept", quoted(tag)));
+    keep(line);
+  }
   if (!options_.report) return;
   auto& list = options_.report->unknownTags;
   const auto [it, isNew] = unknownTags_.emplace(tag, list.size());

@@ -12,7 +12,7 @@
 namespace quiver {
 
 /// What becomes of lines whose tag the registry does not know: an error, left out, or kept as text with the element
-/// before them.
+/// before them (numbers, and words with a comma or a quote, are no tags that can be kept).
 enum class UnknownTags { error, skip, keep };
 
 /// What becomes of information matrices with an eigenvalue below −1e-6 of the largest: an error, or negative
