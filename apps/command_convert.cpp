@@ -1,12 +1,13 @@
 #include <map>
 #include <optional>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/commands.h>
+#include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/output.h>
+#include <quiver/apps/support/standard_streams.h>
 #include <quiver/types_slam3d/addons/euler_conversion.h>
 
 namespace quiver::app {
@@ -21,7 +22,7 @@ struct Flags {
 void convert(const Flags& flags) {
   checkOutputs({flags.output});
   LoadedGraph loaded = loadGraph(flags.source);
-  for (const std::string& note : readingNotes(flags.source, loaded.report)) fmt::print(stderr, "{}\n", note);
+  for (const std::string& note : readingNotes(flags.source, loaded.report)) tell(stderr, "{}\n", note);
   const GraphFormat format = flags.format.value_or(formatOfPath(flags.output));
   // What other programs read: TORO's spatial poses are few programs' .g2o.
   if (loaded.report.format == "toro" && (format == GraphFormat::g2o || format == GraphFormat::csv))
@@ -47,7 +48,7 @@ void addConvertCommand(CLI::App& parser, int&) {
       {"g2o", GraphFormat::g2o}, {"toro", GraphFormat::toro}, {"csv", GraphFormat::csv}, {"bal", GraphFormat::bal}};
   command->add_option("--to", flags->format, "Format to write, whatever the name says")
       ->type_name("g2o|toro|csv|bal")
-      ->transform(CLI::CheckedTransformer(formats).description(""));
+      ->transform(wordOf(formats));
   command->footer(
       "Examples:\n"
       "  quiver convert toro.graph out.g2o\n"

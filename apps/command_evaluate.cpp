@@ -1,14 +1,15 @@
 #include <map>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <quiver/apps/commands.h>
 #include <quiver/apps/evaluate/trajectory_svg.h>
+#include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/output.h>
+#include <quiver/apps/support/standard_streams.h>
 #include <quiver/core/io/files/input_file.h>
 #include <quiver/evaluation/trajectory_error.h>
 #include <quiver/version.h>
@@ -78,16 +79,16 @@ Json describe(const Flags& flags, const EvaluationOptions& options, const Trajec
 }
 
 void printRow(const char* name, const ErrorStatistics& s) {
-  fmt::print("{:<24}{:>9}{:>12.5g}{:>12.5g}{:>12.5g}{:>12.5g}{:>12.5g}{:>12.5g}\n", name, s.count, s.rootMeanSquare,
-             s.mean, s.median, s.deviation, s.least, s.largest);
+  tell(stdout, "{:<24}{:>9}{:>12.5g}{:>12.5g}{:>12.5g}{:>12.5g}{:>12.5g}{:>12.5g}\n", name, s.count, s.rootMeanSquare,
+       s.mean, s.median, s.deviation, s.least, s.largest);
 }
 
 void print(const EvaluationOptions& options, const TrajectoryError& error) {
-  fmt::print("{} matched poses, alignment {}", error.matched, nameOf(options.alignment));
-  if (options.alignment == AlignmentGroup::sim3) fmt::print(", scale {:.9g}", error.alignment.scale);
-  fmt::print(", relative errors over {:g} {}\n", options.step, options.stepInMetres ? "m" : "poses");
-  fmt::print("{:<24}{:>9}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "", "count", "rmse", "mean", "median", "std", "min",
-             "max");
+  tell(stdout, "{} matched poses, alignment {}", error.matched, nameOf(options.alignment));
+  if (options.alignment == AlignmentGroup::sim3) tell(stdout, ", scale {:.9g}", error.alignment.scale);
+  tell(stdout, ", relative errors over {:g} {}\n", options.step, options.stepInMetres ? "m" : "poses");
+  tell(stdout, "{:<24}{:>9}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "", "count", "rmse", "mean", "median", "std", "min",
+       "max");
   printRow("absolute translation m", error.absoluteTranslation);
   printRow("absolute rotation rad", error.absoluteRotation);
   printRow("relative translation m", error.relativeTranslation);
@@ -103,7 +104,7 @@ void evaluate(const Flags& flags) {
   const EvaluationOptions options = optionsOf(flags, estimate, truth);
   const TrajectoryError error = evaluateTrajectory(estimate, truth, options);
   if (!error.alignment.unique)
-    fmt::print(stderr, "the matched positions leave the alignment's rotation open: rotation errors mean nothing\n");
+    tell(stderr, "the matched positions leave the alignment's rotation open: rotation errors mean nothing\n");
   if (!flags.svg.empty()) saveText(flags.svg, drawTrajectories(error, options.alignment));
   if (!flags.json.empty()) saveJson(flags.json, describe(flags, options, error));
   if (flags.json != "-" && flags.svg != "-") print(options, error);
@@ -128,11 +129,11 @@ void addEvaluateCommand(CLI::App& parser, int&) {
                                                       {"order", PoseMatching::order}};
   command->add_option("--match", flags->matching, "Poses that belong together: auto, id, stamp or order")
       ->type_name("BY")
-      ->transform(CLI::CheckedTransformer(matchings).description(""))
+      ->transform(wordOf(matchings))
       ->default_str("auto");
   command->add_option("--max-difference", flags->stampTolerance, "Largest difference of matched time stamps [s]")
       ->type_name("S")
-      ->check(CLI::NonNegativeNumber.description(""))
+      ->check(numberFrom(0))
       ->capture_default_str();
   CLI::Option* step = command->add_option("--step", flags->step, "Relative errors: poses apart")
                           ->type_name("N")
@@ -140,7 +141,7 @@ void addEvaluateCommand(CLI::App& parser, int&) {
                           ->default_str("1");
   command->add_option("--step-metres", flags->metres, "Relative errors: metres apart, along the truth")
       ->type_name("M")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(numberFrom(0, false))
       ->excludes(step);
   command->add_option("-o,--output", flags->svg, "Draw both trajectories as SVG here")->type_name("SVG");
   command->add_option("--json", flags->json, "Write the errors as JSON here (- is standard output)")->type_name("FILE");

@@ -15,6 +15,7 @@
 #include <quiver/apps/support/initial_guess.h>
 #include <quiver/apps/support/log_dialect.h>
 #include <quiver/apps/support/output.h>
+#include <quiver/apps/support/standard_streams.h>
 #include <quiver/core/algorithm/gauge.h>
 #include <quiver/core/algorithm/optimizer.h>
 #include <quiver/types_sba/depth.h>
@@ -163,7 +164,7 @@ Json describeDepth(const Graph& graph) {
 void info(const Flags& flags) {
   checkOutputs({flags.json});
   LoadedGraph loaded = loadGraph(flags.source);
-  for (const std::string& note : readingNotes(flags.source, loaded.report)) fmt::print(stderr, "{}\n", note);
+  for (const std::string& note : readingNotes(flags.source, loaded.report)) tell(stderr, "{}\n", note);
   Json json;
   json["quiver"] = QUIVER_VERSION;
   json["input"] = describeInput(flags.source, loaded);

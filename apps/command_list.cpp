@@ -7,6 +7,7 @@
 #include <quiver/apps/optimize/solver_names.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/output.h>
+#include <quiver/apps/support/standard_streams.h>
 #include <quiver/version.h>
 
 namespace quiver::app {
@@ -124,42 +125,42 @@ std::string fieldNames(const Json& list) {
 }
 
 void printElement(const Json& type) {
-  fmt::print("  {}\n", type["tag"].get<std::string>());
+  tell(stdout, "  {}\n", type["tag"].get<std::string>());
   if (type.contains("vertices")) {
-    fmt::print("      joins {}{}\n", words(type["vertices"]),
-               type["any_number_of_the_last"].get<bool>() ? ", and any number more of the last" : "");
-    if (!type["parameters"].empty()) fmt::print("      parameters {}\n", words(type["parameters"]));
+    tell(stdout, "      joins {}{}\n", words(type["vertices"]),
+         type["any_number_of_the_last"].get<bool>() ? ", and any number more of the last" : "");
+    if (!type["parameters"].empty()) tell(stdout, "      parameters {}\n", words(type["parameters"]));
   }
   std::string fields = fieldNames(type["fields"]);
   if (type.contains("information") && type["information"].get<bool>()) fields += " information(upper triangle)";
   if (type.contains("tail_fields")) fields += " " + fieldNames(type["tail_fields"]);
-  if (!fields.empty()) fmt::print("      fields {}\n", fields);
-  if (type.contains("tangent")) fmt::print("      tangent {}\n", words(type["tangent"]));
+  if (!fields.empty()) tell(stdout, "      fields {}\n", fields);
+  if (type.contains("tangent")) tell(stdout, "      tangent {}\n", words(type["tangent"]));
   if (type.contains("jacobians")) {
-    fmt::print("      error of dimension {}, Jacobians {}{}\n", type["dimension"].dump(),
-               type["jacobians"].get<std::string>(), type["lanes"].get<bool>() ? ", eight edges at a time" : "");
+    tell(stdout, "      error of dimension {}, Jacobians {}{}\n", type["dimension"].dump(),
+         type["jacobians"].get<std::string>(), type["lanes"].get<bool>() ? ", eight edges at a time" : "");
   }
   const auto documentation = type["documentation"].get<std::string>();
-  if (!documentation.empty()) fmt::print("      {}\n", documentation);
+  if (!documentation.empty()) tell(stdout, "      {}\n", documentation);
 }
 
 void printRegistry(const Json& json) {
   for (const char* key : {"vertices", "edges", "parameters"}) {
-    fmt::print("{}\n", key);
+    tell(stdout, "{}\n", key);
     for (const Json& type : json[key]) printElement(type);
   }
-  fmt::print("other tags\n");
+  tell(stdout, "other tags\n");
   for (const auto& [alias, tag] : json["aliases"].items())
-    fmt::print("  {:<28} read as {}\n", alias, tag.get<std::string>());
+    tell(stdout, "  {:<28} read as {}\n", alias, tag.get<std::string>());
   for (const Json& entry : json["data"])
-    fmt::print("  {:<28} {}\n", entry["name"].get<std::string>(), entry["documentation"].get<std::string>());
+    tell(stdout, "  {:<28} {}\n", entry["name"].get<std::string>(), entry["documentation"].get<std::string>());
   for (const auto& [key, title] :
        {std::pair("linear_solvers", "linear solvers (--solver)"), std::pair("initializers", "initial guesses (--init)"),
         std::pair("robust_kernels", "robust kernels (--robust)"),
         std::pair("solver_names", "g2o's solver names (--algorithm)")}) {
-    fmt::print("{}\n", title);
+    tell(stdout, "{}\n", title);
     for (const Json& entry : json[key])
-      fmt::print("  {:<20} {}\n", entry["name"].get<std::string>(), entry["documentation"].get<std::string>());
+      tell(stdout, "  {:<20} {}\n", entry["name"].get<std::string>(), entry["documentation"].get<std::string>());
   }
 }
 
@@ -181,7 +182,7 @@ void addListCommand(CLI::App& parser, int&) {
   command->callback([flags] {
     checkOutputs({flags->json});
     const Json json = describeRegistry(*makeRegistry(flags->plugins));
-    if (flags->markdown) fmt::print("{}", typesAsMarkdown(json));
+    if (flags->markdown) tell(stdout, "{}", typesAsMarkdown(json));
     if (flags->json.empty()) {
       if (!flags->markdown) printRegistry(json);
     } else {

@@ -18,6 +18,7 @@
 #include <quiver/apps/support/log_dialect.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/output.h>
+#include <quiver/apps/support/standard_streams.h>
 #include <quiver/core/algorithm/optimizer.h>
 #include <quiver/core/problem/problem.h>
 #include <quiver/core/util/stopwatch.h>
@@ -53,7 +54,7 @@ class Run {
     save(loaded);
     const Status status = report_.summary.status;
     if (status == Status::numericalFailure || status == Status::memoryLimit)
-      fmt::print(stderr, "{}: {}\n", displayName(flags_.source.path), report_.summary.reason);
+      tell(stderr, "{}: {}\n", displayName(flags_.source.path), report_.summary.reason);
     return exitCodeOf(status);
   }
 
@@ -64,12 +65,12 @@ class Run {
     return flags_.output == "-" || flags_.json == "-" ? stderr : stdout;
   }
   void say(const std::string& sentence) const {
-    if (stream()) fmt::print(stream(), "{}\n", sentence);
+    if (stream()) tell(stream(), "{}\n", sentence);
   }
 
   /// Phases of long work are told of on standard error as they begin.
   void tellPhase(std::string_view phase) const {
-    if (long_ && !flags_.quiet) fmt::print(stderr, "[{:7.1f} s] {}\n", whole_.seconds(), phase);
+    if (long_ && !flags_.quiet) tell(stderr, "[{:7.1f} s] {}\n", whole_.seconds(), phase);
   }
   void tellOfReading() {
     std::error_code error;
@@ -78,7 +79,7 @@ class Run {
     tellPhase(fmt::format("reading {} ({} MB)", flags_.source.path, error ? 0 : bytes / 1000000));
   }
   int stoppedEarly(const char* doing) const {
-    fmt::print(stderr, "{}: stopped while {}; nothing is written\n", displayName(flags_.source.path), doing);
+    tell(stderr, "{}: stopped while {}; nothing is written\n", displayName(flags_.source.path), doing);
     return exitInterrupted;
   }
 

@@ -6,6 +6,7 @@
 #include <quiver/apps/plot/svg_plot.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/output.h>
+#include <quiver/apps/support/standard_streams.h>
 
 namespace quiver::app {
 namespace {
@@ -20,19 +21,19 @@ struct Flags {
 Scene loadScene(GraphSource source, const std::string& path, const char* label) {
   source.path = path;
   const LoadedGraph loaded = loadGraph(source);
-  for (const std::string& note : readingNotes(source, loaded.report)) fmt::print(stderr, "{}\n", note);
+  for (const std::string& note : readingNotes(source, loaded.report)) tell(stderr, "{}\n", note);
   return makeScene(loaded.graph, fmt::format("{}{}", label, displayName(path)));
 }
 
 void plotStructure(const Flags& flags) {
   LoadedGraph loaded = loadGraph(flags.source);
-  for (const std::string& note : readingNotes(flags.source, loaded.report)) fmt::print(stderr, "{}\n", note);
+  for (const std::string& note : readingNotes(flags.source, loaded.report)) tell(stderr, "{}\n", note);
   const StructurePictures pictures = pictureStructure(loaded.graph, Options());
   saveText(flags.output, drawStructure(pictures));
   std::FILE* const stream = flags.output == "-" ? stderr : stdout;
   for (const MatrixPicture& matrix : pictures.matrices) {
-    fmt::print(stream, "{}: {} blocks, {} unknowns a side; {} blocks stored, {} numbers, {:.3g} % full\n", matrix.title,
-               matrix.blocks, matrix.scalars, matrix.storedBlocks, matrix.storedScalars, 100.0 * matrix.fill);
+    tell(stream, "{}: {} blocks, {} unknowns a side; {} blocks stored, {} numbers, {:.3g} % full\n", matrix.title,
+         matrix.blocks, matrix.scalars, matrix.storedBlocks, matrix.storedScalars, 100.0 * matrix.fill);
   }
 }
 

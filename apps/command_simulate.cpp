@@ -6,9 +6,11 @@
 #include <quiver/apps/simulate/outliers_command.h>
 #include <quiver/apps/simulate/sphere.h>
 #include <quiver/apps/simulate/world_command.h>
+#include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/output.h>
+#include <quiver/apps/support/standard_streams.h>
 
 namespace quiver::app {
 namespace {
@@ -37,8 +39,8 @@ void simulateSphere(const Flags& flags) {
   saveGraph(flags.output, graph.measured);
   if (!flags.truth.empty()) saveGraph(flags.truth, graph.truth);
   std::FILE* const stream = flags.output == "-" || flags.truth == "-" ? stderr : stdout;
-  fmt::print(stream, "a sphere of {} poses in {} laps and {} measurements: {}\n", graph.measured.vertexCount(),
-             settings.laps, graph.measured.edgeCount(), flags.output);
+  tell(stream, "a sphere of {} poses in {} laps and {} measurements: {}\n", graph.measured.vertexCount(), settings.laps,
+       graph.measured.edgeCount(), flags.output);
 }
 
 void addNoiseOption(CLI::App& command, const char* name, std::vector<double>& values, const char* text) {
@@ -46,7 +48,7 @@ void addNoiseOption(CLI::App& command, const char* name, std::vector<double>& va
       ->type_name("A[;B;C]")
       ->delimiter(';')
       ->allow_extra_args(false)
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(numberFrom(0, false))
       ->default_str("0.01");
 }
 
@@ -72,7 +74,7 @@ void addSimulateCommand(CLI::App& parser, int&) {
       ->capture_default_str();
   sphere->add_option("--radius", flags->sphere.radius, "Radius in metres")
       ->type_name("R")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(numberFrom(0, false))
       ->capture_default_str();
   addNoiseOption(*sphere, "--noise-translation", flags->translationNoise,
                  "Standard deviation of measured translations in metres, of all body axes or of each");

@@ -7,6 +7,7 @@
 
 #include <quiver/apps/commands.h>
 #include <quiver/apps/support/outcome.h>
+#include <quiver/apps/support/standard_streams.h>
 #include <quiver/core/registry/registry.h>
 #include <quiver/version.h>
 
@@ -67,20 +68,31 @@ int runCommand(int count, char** words) {
     return parser.exit(asked) == 0 ? exitSuccess : exitInternal;
   } catch (const CLI::ParseError& error) {
     const std::vector<std::string> arguments(words + 1, words + count);
-    fmt::print(stderr, "quiver: {}\nquiver --help lists the commands, quiver COMMAND --help their flags.\n",
-               describeUsageError(parser, error, arguments));
+    tell(stderr, "quiver: {}\nquiver --help lists the commands, quiver COMMAND --help their flags.\n",
+         describeUsageError(parser, error, arguments));
     return exitUsage;
   }
   return exitCode;
+}
+
+/// What a command prints is its output too: text that got lost is no success.
+int checkStandardOutput(int exitCode) {
+  const std::string failure = standardOutputFailure();
+  if (failure.empty() || exitCode != exitSuccess) return exitCode;
+  tell(stderr, "<stdout>: cannot be written: {}\n", failure);
+  return exitOutput;
 }
 
 }  // namespace
 }  // namespace quiver::app
 
 int main(int count, char** words) {
+  quiver::app::holdStandardStreams();
+  int exitCode = 0;
   try {
-    return quiver::app::runCommand(count, words);
+    exitCode = quiver::app::runCommand(count, words);
   } catch (...) {
-    return quiver::app::reportCurrentException();
+    exitCode = quiver::app::reportCurrentException();
   }
+  return quiver::app::checkStandardOutput(exitCode);
 }

@@ -44,7 +44,7 @@ std::string degreesOf(const Json& degrees) {
                      static_cast<double>(ends) / static_cast<double>(vertices));
 }
 
-void printLine(const char* name, const std::string& text) { fmt::print("{:<12} {}\n", name, text); }
+void printLine(const char* name, const std::string& text) { tell(stdout, "{:<12} {}\n", name, text); }
 
 std::string nameOf(const Json& edge) {
   std::string text = edge["type"].get<std::string>();
@@ -156,10 +156,10 @@ void printNumbers(const Json& json) {
   }
   printFreedom(json);
   if (!json.contains("plan")) return;
-  fmt::print("plan\n");
+  tell(stdout, "plan\n");
   for (const auto& [key, value] : json["plan"].items()) {
     const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-    if (!text.empty()) fmt::print("  {:<22} {}\n", key, text);
+    if (!text.empty()) tell(stdout, "  {:<22} {}\n", key, text);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/optimize/solver_names.h>
+#include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/initial_guess.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/core/registry/registry.h>
@@ -28,22 +29,22 @@ void checkSolver(const std::string& name, const Registry& registry) {
   refuseWord("--solver", name, "linear solver", names, fmt::format("there are {}", fmt::join(names, ", ")));
 }
 
-/// --eliminate: "auto" or "none" alone, or tags.
+/// --eliminate: "auto" or "off" alone, or tags.
 void checkEliminatedTypes(const std::vector<std::string>& words, const Registry& registry) {
   for (const std::string& word : words) {
-    if (word == "auto" || word == "none") {
+    if (word == "auto" || word == "off") {
       if (words.size() > 1) throw UsageError(fmt::format("--eliminate: '{}' stands alone", word));
       continue;
     }
     if (registry.findVertexType(word)) continue;
     std::vector<std::string> tags;
     for (const auto& type : registry.vertexTypes()) tags.push_back(type->tag());
-    refuseWord("--eliminate", word, "vertex type", tags, "it is auto, none or tags of vertex types");
+    refuseWord("--eliminate", word, "vertex type", tags, "it is auto, off or tags of vertex types");
   }
 }
 
 void applyElimination(const std::vector<std::string>& words, Options& options) {
-  if (words.front() == "none") {
+  if (words.front() == "off") {
     options.elimination = EliminationPolicy::none;
   } else if (words.front() != "auto") {
     options.elimination = EliminationPolicy::types;
@@ -98,8 +99,8 @@ void addAlgorithmFlags(CLI::App& command, OptimizeFlags& flags) {
       ->capture_default_str();
   command
       .add_option("--eliminate", flags.eliminate,
-                  "Vertices to eliminate before the rest is solved for: what pays, none, or those of types")
-      ->type_name("auto|none|TAG[,TAG...]")
+                  "Vertices to eliminate before the rest is solved for: what pays, off for none, or those of types")
+      ->type_name("auto|off|TAG[,TAG...]")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->default_str("auto");
@@ -109,7 +110,7 @@ void addAlgorithmFlags(CLI::App& command, OptimizeFlags& flags) {
                   "would take more, exit code 4")
       ->type_name("BYTES")
       ->transform(CLI::AsSizeValue(false).description(""))
-      ->check(CLI::PositiveNumber.description(""));
+      ->check(numberFrom(1));
 }
 
 void addStartFlags(CLI::App& command, OptimizeFlags& flags) {
@@ -122,12 +123,12 @@ void addStartFlags(CLI::App& command, OptimizeFlags& flags) {
       ->type_name("ID[,ID...]")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::NonNegativeNumber.description(""));
+      ->check(vertexId());
   command.add_option("--only", flags.only, "Vertices to move; all others are held")
       ->type_name("ID[,ID...]")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::NonNegativeNumber.description(""));
+      ->check(vertexId());
   static const std::map<std::string, GaugePolicy> policies{
       {"auto", GaugePolicy::automatic}, {"fix", GaugePolicy::fix}, {"free", GaugePolicy::free}};
   command
@@ -135,7 +136,7 @@ void addStartFlags(CLI::App& command, OptimizeFlags& flags) {
                   "The world's freedom to move unnoticed: hold a vertex a component, leave it free, or what the "
                   "algorithm needs")
       ->type_name("auto|fix|free")
-      ->transform(CLI::CheckedTransformer(policies).description(""))
+      ->transform(wordOf(policies))
       ->default_str("auto");
 }
 
@@ -160,7 +161,7 @@ void addRobustFlags(CLI::App& command, OptimizeFlags& flags) {
       .add_option("--robust-correction", flags.robustCorrection,
                   "How kernels enter the normal equations: by their weight, or by their curvature too (Triggs)")
       ->type_name("first|second")
-      ->transform(CLI::CheckedTransformer(corrections).description(""))
+      ->transform(wordOf(corrections))
       ->default_str("first");
 }
 
@@ -177,7 +178,7 @@ void addOptimizeFlags(CLI::App& command, OptimizeFlags& flags) {
       .add_option("--time-limit", flags.timeLimit,
                   "Wall-clock seconds from the start of the command; the best estimate so far is saved, exit code 5")
       ->type_name("SECONDS")
-      ->check(CLI::NonNegativeNumber.description(""));
+      ->check(numberFrom(0));
   addDialectOption(command, flags.dialect);
   command.add_option("--json", flags.json, "Write a report of the run here (- is standard output)")->type_name("FILE");
   command.add_flag("--quiet", flags.quiet, "No progress and no summary; errors are told all the same");

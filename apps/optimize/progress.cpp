@@ -1,7 +1,11 @@
 #include <quiver/apps/optimize/progress.h>
 
+#include <cmath>
+
 #include <fmt/format.h>
 #include <unistd.h>
+
+#include <quiver/apps/support/standard_streams.h>
 
 namespace quiver::app {
 
@@ -11,11 +15,11 @@ void Progress::iteration(const IterationReport& report) {
   if (!stream_) return;
   if (terminal_) {
     // Back to the first column, and clear what the last line leaves behind.
-    fmt::print(stream_, "\r\x1b[Kiteration {}  chi2 {:.9g}  {:.1f} ms", report.iteration, report.chi2,
-               report.seconds.total * 1e3);
+    tell(stream_, "\r\x1b[Kiteration {}  chi2 {:.9g}  {:.1f} ms", report.iteration, report.chi2,
+         report.seconds.total * 1e3);
   } else {
-    if (!begun_) fmt::print(stream_, "{}\n", iterationHeading());
-    fmt::print(stream_, "{}\n", iterationLine(report));
+    if (!begun_) tell(stream_, "{}\n", iterationHeading());
+    tell(stream_, "{}\n", iterationLine(report));
   }
   begun_ = true;
   std::fflush(stream_);
@@ -24,10 +28,10 @@ void Progress::iteration(const IterationReport& report) {
 void Progress::finish(const Summary& summary) {
   if (!stream_) return;
   if (terminal_ && begun_) {
-    fmt::print(stream_, "\r\x1b[K{}\n", iterationHeading());
-    for (const IterationReport& report : summary.iterations) fmt::print(stream_, "{}\n", iterationLine(report));
+    tell(stream_, "\r\x1b[K{}\n", iterationHeading());
+    for (const IterationReport& report : summary.iterations) tell(stream_, "{}\n", iterationLine(report));
   }
-  fmt::print(stream_, "{}", closingText(summary));
+  tell(stream_, "{}", closingText(summary));
   std::fflush(stream_);
 }
 
@@ -45,6 +49,7 @@ std::string closingText(const Summary& summary) {
                         summary.isolated.size() == 1 ? "vertex that" : "vertices that", summary.isolated.front());
   }
   text += fmt::format("{}: {}\n", toString(summary.status), summary.reason);
+  if (!std::isfinite(summary.initialChi2)) return text;
   text += fmt::format("chi2 {:.10g} -> {:.10g} with {} free vertices and {} edges in {:.3f} s\n", summary.initialChi2,
                       summary.finalChi2, summary.variables, summary.edges, summary.seconds.total);
   return text;

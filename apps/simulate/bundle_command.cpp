@@ -1,12 +1,12 @@
 #include <quiver/apps/simulate/bundle_command.h>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/simulate/bundle.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/output.h>
+#include <quiver/apps/support/standard_streams.h>
 #include <quiver/core/util/error.h>
 
 namespace quiver::app {
@@ -35,8 +35,8 @@ void simulateBundle(const Flags& flags) {
     throw OutputError(error.what());
   }
   std::FILE* const stream = flags.output == "-" || flags.truth == "-" ? stderr : stdout;
-  fmt::print(stream, "a {} of {} cameras, {} points and {} observations: {}\n", flags.bundle.scene, counts.cameras,
-             counts.points, counts.observations, flags.output);
+  tell(stream, "a {} of {} cameras, {} points and {} observations: {}\n", flags.bundle.scene, counts.cameras,
+       counts.points, counts.observations, flags.output);
 }
 
 template <typename Number>

@@ -1,11 +1,12 @@
 #include <quiver/apps/simulate/outliers_command.h>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/simulate/wrong_loops.h>
+#include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/output.h>
+#include <quiver/apps/support/standard_streams.h>
 
 namespace quiver::app {
 namespace {
@@ -22,7 +23,7 @@ void simulateOutliers(const Flags& flags) {
   LoadedGraph loaded = loadGraph(flags.source);
   const std::int64_t added = addWrongLoops(loaded.graph, flags.fraction, flags.seed);
   saveGraph(flags.output, loaded.graph, flags.source.threads);
-  fmt::print(flags.output == "-" ? stderr : stdout, "{} wrong loop closures added: {}\n", added, flags.output);
+  tell(flags.output == "-" ? stderr : stdout, "{} wrong loop closures added: {}\n", added, flags.output);
 }
 
 }  // namespace
@@ -34,7 +35,7 @@ void addOutliersSimulation(CLI::App& simulate) {
   command->add_option("-o,--output", flags->output, "Graph to write")->required()->type_name("OUT");
   command->add_option("--fraction", flags->fraction, "Wrong loop closures, as a part of the number of right ones")
       ->type_name("F")
-      ->check(CLI::NonNegativeNumber.description(""))
+      ->check(numberFrom(0))
       ->capture_default_str();
   command->add_option("--seed", flags->seed, "Seed of the draw")->type_name("N")->capture_default_str();
   command->footer(

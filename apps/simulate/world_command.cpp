@@ -9,6 +9,7 @@
 #include <quiver/apps/simulate/world_settings.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/output.h>
+#include <quiver/apps/support/standard_streams.h>
 
 namespace quiver::app {
 namespace {
@@ -50,8 +51,8 @@ void simulate(const Flags& flags) {
     throw OutputError(error.what());
   }
   std::FILE* const stream = flags.output == "-" || flags.truth == "-" ? stderr : stdout;
-  fmt::print(stream, "{} poses, {} landmarks and {} measurements: {}\n", counts.poses, counts.landmarks, counts.edges,
-             flags.output);
+  tell(stream, "{} poses, {} landmarks and {} measurements: {}\n", counts.poses, counts.landmarks, counts.edges,
+       flags.output);
 }
 
 void addWorld(CLI::App& simulateCommand, WorldKind kind, const char* name, const char* text,

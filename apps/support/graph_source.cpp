@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <quiver/apps/support/cholmod_on_demand.h>
+#include <quiver/apps/support/flag_checks.h>
 #include <quiver/core/util/stopwatch.h>
 #include <quiver/plugins/builtin.h>
 #include <quiver/plugins/plugin_loader.h>
@@ -38,7 +39,7 @@ void addSourceOptions(CLI::App& command, GraphSource& source) {
       .add_option("--unknown", source.unknown,
                   "Lines of unknown tag: refuse the file, leave them out, or keep them as text")
       ->type_name("error|skip|keep")
-      ->transform(CLI::CheckedTransformer(unknown).description(""))
+      ->transform(wordOf(unknown))
       ->default_str("error");
   static const std::map<std::string, InformationPolicy> information{{"check", InformationPolicy::check},
                                                                     {"clamp", InformationPolicy::clamp}};
@@ -46,7 +47,7 @@ void addSourceOptions(CLI::App& command, GraphSource& source) {
       .add_option("--information", source.information,
                   "Information matrices with negative eigenvalues: refuse the file, or set those to zero")
       ->type_name("check|clamp")
-      ->transform(CLI::CheckedTransformer(information).description(""))
+      ->transform(wordOf(information))
       ->default_str("check");
   addThreadsOption(command, source.threads);
 }
@@ -57,7 +58,7 @@ CLI::Option* addDialectOption(CLI::App& command, Dialect& dialect) {
       .add_option("--dialect", dialect,
                   "Residual of EDGE_SE3:QUAT: g2o's (translation, quaternion vector), or the logarithm of the pose")
       ->type_name("g2o|log")
-      ->transform(CLI::CheckedTransformer(dialects).description(""))
+      ->transform(wordOf(dialects))
       ->default_str("g2o");
 }
 

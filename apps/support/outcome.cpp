@@ -3,13 +3,13 @@
 #include <cstdio>
 #include <new>
 
-#include <fmt/format.h>
+#include <quiver/apps/support/standard_streams.h>
 
 namespace quiver::app {
 namespace {
 
 int report(const char* message, ExitCode code) {
-  fmt::print(stderr, "{}\n", message);
+  tell(stderr, "{}\n", message);
   return code;
 }
 
@@ -40,14 +40,14 @@ int reportCurrentException() {
   } catch (const OutputError& error) {
     return report(error.what(), exitOutput);
   } catch (const LogicError& error) {
-    fmt::print(stderr, "quiver has a defect, please report it: {}\n", error.what());
+    tell(stderr, "quiver has a defect, please report it: {}\n", error.what());
     return exitInternal;
   } catch (const Error& error) {
     return report(error.what(), exitBadInput);
   } catch (const std::bad_alloc&) {
     return report("out of memory", exitNumericalFailure);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "quiver has a defect, please report it: {}\n", error.what());
+    tell(stderr, "quiver has a defect, please report it: {}\n", error.what());
     return exitInternal;
   }
 }

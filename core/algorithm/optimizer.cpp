@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -181,6 +182,8 @@ Summary Optimizer::optimize(Graph& graph) {
       bytes > options_.memoryLimit) {
     summary.status = Status::memoryLimit;
     summary.reason = describeExcess(bytes, options_);
+    summary.initialChi2 = summary.finalChi2 = std::numeric_limits<double>::quiet_NaN();
+    summary.initialCost = summary.finalCost = std::numeric_limits<double>::quiet_NaN();
     return summary;
   }
   compiled_->prepare(graph, options_, algorithm, summary.threads);

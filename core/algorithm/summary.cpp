@@ -1,5 +1,6 @@
 #include <quiver/core/algorithm/summary.h>
 
+#include <cmath>
 #include <ostream>
 
 #include <fmt/format.h>
@@ -73,6 +74,7 @@ std::ostream& operator<<(std::ostream& out, const Summary& summary) {
   }
   if (!summary.gauge.reason.empty()) out << "gauge: " << summary.gauge.reason << '\n';
   out << fmt::format("{}: {}\n", toString(summary.status), summary.reason);
+  if (!std::isfinite(summary.initialChi2)) return out;
   out << fmt::format("chi2 {:.10g} -> {:.10g} with {} vertices and {} edges in {:.3f} s\n", summary.initialChi2,
                      summary.finalChi2, summary.variables, summary.edges, summary.seconds.total);
   return out;

@@ -110,11 +110,11 @@ class FixedBatch final : public EdgeBatch {
   void addProducts(const State& state, int first, int count, const ProductTargets& targets,
                    double* squaredError) const override {
     if constexpr (multiplies) {
-      if (instructionSet_ == InstructionSet::avx512) {
-        productsAvx512(view(state), first, count, targets, squaredError);
-      } else {
-        productsAvx2(view(state), first, count, targets, squaredError);
+      if constexpr (QUIVER_EVERY_INSTRUCTION_SET) {
+        if (instructionSet_ == InstructionSet::avx512)
+          return productsAvx512(view(state), first, count, targets, squaredError);
       }
+      productsAvx2(view(state), first, count, targets, squaredError);
     }
   }
 
@@ -241,9 +241,11 @@ class FixedBatch final : public EdgeBatch {
   template <bool withJacobians>
   void run(const BatchView& view, const std::int32_t* edges, int count, const Panel& panel) const {
     if constexpr (Form::lanes) {
-      if (instructionSet_ == InstructionSet::avx512) return lanesAvx512<withJacobians>(view, edges, count, panel);
-      if (instructionSet_ == InstructionSet::avx2) return lanesAvx2<withJacobians>(view, edges, count, panel);
-    } else {
+      if constexpr (QUIVER_EVERY_INSTRUCTION_SET) {
+        if (instructionSet_ == InstructionSet::avx512) return lanesAvx512<withJacobians>(view, edges, count, panel);
+      }
+      if (instructionSet_ != InstructionSet::generic) return lanesAvx2<withJacobians>(view, edges, count, panel);
+    } else if constexpr (QUIVER_EVERY_INSTRUCTION_SET) {
       if (instructionSet_ != InstructionSet::generic) return scalarAvx2<withJacobians>(view, edges, count, panel);
     }
     scalarGeneric<withJacobians>(view, edges, count, panel);

@@ -19,11 +19,14 @@
 #  define QUIVER_TARGET_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma")))
 #  define QUIVER_TARGET_AVX2 __attribute__((target("avx2,fma")))
 #  define QUIVER_TARGET_GENERIC
-// A sanitizer's checks in a loop that has pulled in everything take minutes to compile: there, calls stay calls.
+// A sanitizer's checks in a loop that has pulled in everything take minutes to compile: there, calls stay calls, and
+// loops exist for AVX2 alone (QUIVER_EVERY_INSTRUCTION_SET is 0).
 #  if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #    define QUIVER_FLATTEN
+#    define QUIVER_EVERY_INSTRUCTION_SET 0
 #  else
 #    define QUIVER_FLATTEN __attribute__((flatten))
+#    define QUIVER_EVERY_INSTRUCTION_SET 1
 #  endif
 #  define QUIVER_FOLD_ZEROS        \
     QUIVER_FLATTEN __attribute__(( \
@@ -32,6 +35,7 @@
 #  define QUIVER_UNROLL _Pragma("GCC unroll 64")
 #else
 #  define QUIVER_NATIVE_LANES 0
+#  define QUIVER_EVERY_INSTRUCTION_SET 0
 #  define QUIVER_LANES_ALIGNMENT 8
 #  define QUIVER_TARGET_AVX512
 #  define QUIVER_TARGET_AVX2

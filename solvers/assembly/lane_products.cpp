@@ -188,14 +188,18 @@ LaneProducts::Cross pickCross(int rows, int columnsA, int columnsB) {
 }  // namespace
 
 LaneProducts::Square LaneProducts::square(InstructionSet set, int rows, int columns) {
-  if (set == InstructionSet::avx512) return pickSquare<Avx512Products>(rows, columns);
-  if (set == InstructionSet::avx2) return pickSquare<Avx2Products>(rows, columns);
+  if constexpr (QUIVER_EVERY_INSTRUCTION_SET) {
+    if (set == InstructionSet::avx512) return pickSquare<Avx512Products>(rows, columns);
+  }
+  if (set != InstructionSet::generic) return pickSquare<Avx2Products>(rows, columns);
   return pickSquare<GenericProducts>(rows, columns);
 }
 
 LaneProducts::Cross LaneProducts::cross(InstructionSet set, int rows, int columnsA, int columnsB) {
-  if (set == InstructionSet::avx512) return pickCross<Avx512Products>(rows, columnsA, columnsB);
-  if (set == InstructionSet::avx2) return pickCross<Avx2Products>(rows, columnsA, columnsB);
+  if constexpr (QUIVER_EVERY_INSTRUCTION_SET) {
+    if (set == InstructionSet::avx512) return pickCross<Avx512Products>(rows, columnsA, columnsB);
+  }
+  if (set != InstructionSet::generic) return pickCross<Avx2Products>(rows, columnsA, columnsB);
   return pickCross<GenericProducts>(rows, columnsA, columnsB);
 }
 

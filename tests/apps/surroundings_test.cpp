@@ -1,0 +1,164 @@
+#include <algorithm>
+#include <filesystem>
+#include <random>
+#include <sstream>
+
+#include <gmock/gmock.h>
+
+#include "tests/apps/command_runner.h"
+
+namespace quiver::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using Json = nlohmann::json;
+
+/// The command among closed streams, full disks, odd files and senseless numbers.
+class Surroundings : public CommandTest {};
+
+TEST_F(Surroundings, NothingSaidLandsInAnOutputOfAProgramWithoutStreams) {
+  write("in.g2o", square);
+  ASSERT_EQ(run("optimize in.g2o -o expected.g2o --quiet").exitCode, 0);
+  EXPECT_EQ(run("optimize in.g2o -o out.g2o <&- >&- 2>&-").exitCode, 6) << "what it says is lost";
+  EXPECT_EQ(read("out.g2o"), read("expected.g2o"));
+  EXPECT_EQ(run("optimize in.g2o -o quiet.g2o --quiet <&- >&- 2>&-").exitCode, 0);
+  EXPECT_EQ(read("quiet.g2o"), read("expected.g2o"));
+}
+
+TEST_F(Surroundings, AClosedInputIsRefused) {
+  const CommandResult result = run("optimize - <&-");
+  EXPECT_EQ(result.exitCode, 3);
+  EXPECT_THAT(result.err, StartsWith("<stdin>: "));
+}
+
+TEST_F(Surroundings, TextThatIsLostIsNoSuccess) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
+  write("in.g2o", square);
+  for (const char* command : {"list", "info in.g2o", "--help", "--version", "optimize --help"}) {
+    for (const char* sink : {">/dev/full", ">&-"}) {
+      const CommandResult result = run(std::string(command) + " " + sink);
+      EXPECT_EQ(result.exitCode, 6) << command << sink;
+      EXPECT_THAT(result.err, StartsWith("<stdout>: cannot be written: ")) << command << sink;
+    }
+  }
+  // The work is done all the same.
+  EXPECT_EQ(run("optimize in.g2o -o out.g2o >/dev/full").exitCode, 6);
+  EXPECT_TRUE(exists("out.g2o"));
+  // What was wrong before counts more, and needs no stream to be told on.
+  EXPECT_EQ(run("optimize missing.g2o >/dev/full 2>/dev/full").exitCode, 3);
+  EXPECT_EQ(run("optimize missing.g2o 2>&-").exitCode, 3);
+}
+
+TEST_F(Surroundings, OddFilesAreRefused) {
+  std::filesystem::create_directory(folder() / "folder");
+  write("empty.g2o", "");
+  for (const char* command : {"optimize", "info"}) {
+    EXPECT_EQ(run(std::string(command) + " folder").err, "folder: is a directory, not a file\n");
+    EXPECT_EQ(run(std::string(command) + " folder").exitCode, 3);
+    EXPECT_EQ(run(std::string(command) + " empty.g2o").err, "empty.g2o: the file holds no vertex and no edge\n");
+    EXPECT_EQ(run(std::string(command) + " empty.g2o").exitCode, 3);
+  }
+}
+
+TEST_F(Surroundings, OutputsThatCannotBeAreFoundBeforeReading) {
+  std::filesystem::create_directory(folder() / "folder");
+  for (const char* flag : {"-o folder", "--json folder", "-o no/such/out.g2o", "--json no/such/out.json"}) {
+    const CommandResult result = run(std::string("optimize missing.g2o ") + flag);
+    EXPECT_EQ(result.exitCode, 6) << flag << result.err;
+  }
+  for (const char* flags : {"-o - --json -", "-o x --json x"})
+    EXPECT_EQ(run(std::string("optimize missing.g2o ") + flags).exitCode, 2) << flags;
+}
+
+TEST_F(Surroundings, NumbersBeyondAllMeasureHaveADefinedResult) {
+  write("huge.g2o",
+        "VERTEX_SE2 0 1e308 1e308 0\nVERTEX_SE2 1 -1e308 -1e308 0\nEDGE_SE2 0 1 1 0 0 1e308 0 0 1e308 0 1e308\n");
+  const CommandResult result = run("optimize huge.g2o --init file --json report.json");
+  EXPECT_EQ(result.exitCode, 4);
+  EXPECT_THAT(result.err, HasSubstr("the error of edge EDGE_SE2 0 1 is not finite at the start"));
+  EXPECT_EQ(result.out.find("nan"), std::string::npos) << result.out;
+  const Json report = Json::parse(read("report.json"));
+  EXPECT_EQ(report["status"], "numerical_failure");
+  EXPECT_TRUE(report["initial_chi2"].is_null());
+  EXPECT_TRUE(report["final_chi2"].is_null());
+}
+
+TEST_F(Surroundings, NothingIsReportedThatWasNotEvaluated) {
+  write("in.g2o", square);
+  const Json report = optimize("in.g2o --init file --memory-limit 100", 4);
+  EXPECT_EQ(report["status"], "memory_limit");
+  EXPECT_TRUE(report["initial_chi2"].is_null());
+  EXPECT_EQ(run("optimize in.g2o --memory-limit 100").out.find("chi2"), std::string::npos);
+}
+
+TEST_F(Surroundings, UsageErrorsSayWhatWouldDo) {
+  write("in.g2o", square);
+  struct Wrong {
+    const char* flags;
+    const char* message;
+  };
+  for (const auto& [flags, message] :
+       {Wrong{"--gauge 0", "--gauge: '0' is none of auto, fix, free"},
+        Wrong{"--gauge fixed", "--gauge: 'fixed' is none of auto, fix, free"},
+        Wrong{"--dialect 1", "--dialect: '1' is none of g2o, log"},
+        Wrong{"--information 1", "--information: '1' is none of check, clamp"},
+        Wrong{"--unknown 1", "--unknown: '1' is none of error, keep, skip"},
+        Wrong{"--time-limit -1", "--time-limit: '-1' is no number of at least 0"},
+        Wrong{"--time-limit nan", "--time-limit: 'nan' is no number of at least 0"},
+        Wrong{"--time-limit inf", "--time-limit: 'inf' is no number of at least 0"},
+        Wrong{"--fix a", "--fix: 'a' is no id of a vertex"}, Wrong{"--fix 1.5", "--fix: '1.5' is no id of a vertex"},
+        Wrong{"--fix 0,-1", "--fix: '-1' is no id of a vertex"},
+        Wrong{"--only 99999999999999999999", "--only: '99999999999999999999' is no id of a vertex"},
+        Wrong{"--memory-limit 0", "--memory-limit: '0' is no number of at least 1"},
+        Wrong{"--eliminate none", "--eliminate none: no such vertex type"},
+        Wrong{"--eliminate off,VERTEX_SE2", "--eliminate: 'off' stands alone"}}) {
+    const CommandResult result = run(std::string("optimize in.g2o ") + flags);
+    EXPECT_EQ(result.exitCode, 2) << flags;
+    EXPECT_THAT(result.err, HasSubstr(message)) << flags;
+  }
+  for (const char* flags : {"--gauge fix", "--gauge free", "--dialect g2o", "--information clamp", "--unknown keep",
+                            "--fix 0,3", "--eliminate off", "--memory-limit 1gb", "--time-limit 100"})
+    EXPECT_EQ(run(std::string("optimize in.g2o ") + flags).exitCode, 0) << flags;
+}
+
+/// A file's lines in another order.
+std::string shuffled(const std::string& text, unsigned seed) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  std::shuffle(lines.begin(), lines.end(), std::mt19937(seed));
+  std::string result;
+  for (const std::string& line : lines) result += line + '\n';
+  return result;
+}
+
+/// A file's lines in alphabetical order.
+std::string sorted(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  std::sort(lines.begin(), lines.end());
+  std::string result;
+  for (const std::string& line : lines) result += line + '\n';
+  return result;
+}
+
+TEST_F(Surroundings, ThreadsAndTheOrderOfLinesChangeNoBitOfAnyEstimate) {
+  for (const char* world : {"sphere -o in.g2o --laps 8 --nodes-per-lap 16 --seed 3",
+                            "bundle -o in.g2o --cameras 12 --points 300 --seed 3"}) {
+    ASSERT_EQ(run(std::string("simulate ") + world).exitCode, 0);
+    write("shuffled.g2o", shuffled(read("in.g2o"), 1));
+    ASSERT_EQ(run("optimize in.g2o -o one.g2o --threads 1 --iterations 8 --quiet").exitCode, 0) << world;
+    const std::string expected = sorted(read("one.g2o"));
+    EXPECT_NE(expected, sorted(read("in.g2o"))) << world;
+    for (const char* again :
+         {"in.g2o --threads 2", "in.g2o --threads 3", "shuffled.g2o --threads 1", "shuffled.g2o --threads 2"}) {
+      ASSERT_EQ(run(std::string("optimize -o other.g2o --iterations 8 --quiet ") + again).exitCode, 0) << again;
+      EXPECT_EQ(sorted(read("other.g2o")), expected) << world << ": " << again;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace quiver::test
