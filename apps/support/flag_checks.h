@@ -1,5 +1,6 @@
 #pragma once
 
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -46,9 +47,10 @@ inline CLI::Validator numberFrom(double least, bool included = true) {
 inline CLI::Validator vertexId() {
   return CLI::Validator(
       [](std::string& word) -> std::string {
-        const bool digits = !word.empty() && word.find_first_not_of("0123456789") == std::string::npos;
-        std::int64_t id = 0;
-        if (digits && CLI::detail::lexical_cast(word, id)) return "";
+        std::int64_t id = -1;
+        const char* const end = word.data() + word.size();
+        const auto [rest, error] = std::from_chars(word.data(), end, id);
+        if (error == std::errc() && rest == end && id >= 0) return "";
         return fmt::format("'{}' is no id of a vertex", word);
       },
       "");
