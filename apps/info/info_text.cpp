@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <quiver/apps/support/standard_streams.h>
+
 namespace quiver::app {
 namespace {
 
