@@ -7,8 +7,10 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <random>
 
+#include <quiver/core/algorithm/memory_estimate.h>
 #include <quiver/quiver.h>
 #include <quiver/types_sba/expmap/edge_se3_project_xyz.h>
 #include <quiver/types_sba/models/edge_project.h>
@@ -91,6 +93,22 @@ void comparePublished(const bench::Arguments& arguments, bench::JsonRows& json) 
     json.add("whole_seconds", bench::median(seconds));
 #endif
     json.add("cost", 0.5 * summary.finalCost);
+    const auto secondsWith = [&](std::vector<std::string> types) {
+      Graph graph(start);
+      Options options = untilIterations(10);
+      options.elimination = types.empty() ? EliminationPolicy::automatic : EliminationPolicy::types;
+      options.eliminatedTypes = std::move(types);
+      return bench::secondsOf([&] { optimize(graph, options); });
+    };
+    const bench::Pair hint = bench::comparePairs(
+        arguments.rounds,
+        [&] {
+          return secondsWith({summary.plan.eliminatedTypes.begin(), summary.plan.eliminatedTypes.end()});
+        },
+        [&] { return secondsWith({}); });
+    fmt::print("{:<18} without a hint {:.2f} ms for 10 iterations, with the right one {:.2f} ms, {:.2f}x\n", name,
+               1e3 * hint.theirs, 1e3 * hint.ours, hint.ratio);
+    json.add("no_hint_of_hint", hint.ratio);
     std::fflush(stdout);
   }
 }
@@ -250,6 +268,34 @@ double peakMemory() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
+/// What the process has in memory now.
+double residentMemory() {
+  std::ifstream file("/proc/self/statm");
+  double all = 0.0, resident = 0.0;
+  return file >> all >> resident ? resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) : peakMemory();
+}
+
+/// The solver that is chosen against those that can be asked for, over the same steps.
+void compareSolvers(const std::string& file, const std::shared_ptr<const Registry>& registry, bench::JsonRows& json) {
+  double best = 0.0, chosen = 0.0;
+  for (const char* solver : {"auto", "block", "pcg"}) {
+    Graph graph = readGraph(file, registry, {.threads = threads});
+    Options options = untilIterations(3);
+    options.linearSolver = solver;
+    double seconds = 0.0;
+    for (const IterationReport& report : optimize(graph, options).iterations) seconds += report.seconds.total;
+    if (std::string(solver) == "auto") {
+      chosen = seconds;
+    } else if (best == 0.0 || seconds < best) {
+      best = seconds;
+    }
+    fmt::print("3 steps with the solver {}: {:.3f} s\n", solver, seconds);
+    json.add(std::string(solver) + "_seconds", seconds);
+  }
+  fmt::print("the chosen solver takes {:.2f} of the best forced one\n", chosen / best);
+  json.add("chosen_of_best", chosen / best);
+}
+
 /// The command beside this program simulates the problem.
 void measureLarge(const std::filesystem::path& program, bench::JsonRows& json) {
   const char* const asked = std::getenv("QUIVER_BENCH_POINTS");
@@ -269,13 +315,13 @@ void measureLarge(const std::filesystem::path& program, bench::JsonRows& json) {
   double loadSeconds = 0.0;
   Graph graph(registry);
   loadSeconds = bench::secondsOf([&] { graph = readGraph(file, registry, {.threads = threads}); });
-  std::filesystem::remove(file);
   const double loaded = peakMemory();
   const auto observations = static_cast<double>(graph.edgeCount());
   Summary summary;
-  const double seconds = bench::secondsOf([&] {
-    summary = optimize(graph, {.maxIterations = points > 1000000 ? 1 : 30, .algorithm = "lm", .threads = threads});
-  });
+  const Options options{.maxIterations = points > 1000000 ? 1 : 30, .algorithm = "lm", .threads = threads};
+  const double resident = residentMemory();
+  const double seconds = bench::secondsOf([&] { summary = optimize(graph, options); });
+  const double measured = peakMemory() - resident;
   const double bytes = (peakMemory() - loaded) / observations;
   fmt::print(
       "{} cameras, {} points, {:.0f} observations: read in {:.2f} s, {} trial steps in {:.2f} s ({:.1f} ms each) "
@@ -290,6 +336,13 @@ void measureLarge(const std::filesystem::path& program, bench::JsonRows& json) {
   json.add("iterations", static_cast<double>(summary.iterations.size()));
   json.add("chi2", summary.finalChi2);
   json.add("bytes_per_observation", bytes);
+  const auto predicted = static_cast<double>(estimateMemory(graph, options));
+  fmt::print("estimateMemory: {:.0f} MB, measured {:.0f} MB, {:.2f} of it\n", 1e-6 * predicted, 1e-6 * measured,
+             predicted / measured);
+  json.add("estimated_bytes", predicted);
+  json.add("estimated_of_measured", predicted / measured);
+  if (points <= 1000000) compareSolvers(file, registry, json);
+  std::filesystem::remove(file);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <quiver/core/algorithm/memory_estimate.h>
 #include <quiver/core/algorithm/structure_key.h>
 #include <quiver/core/util/error.h>
+#include <quiver/core/util/free_memory.h>
 #include <quiver/core/util/parallel.h>
 
 namespace quiver {
@@ -25,6 +26,9 @@ Algorithm algorithmOf(const Options& options) {
   if (options.algorithm == "dogleg") return Algorithm::dogleg;
   throw GraphError(fmt::format("no algorithm '{}'; there are auto, gn, lm and dogleg", options.algorithm));
 }
+
+/// Edges above which what compiling and analysing leave behind is worth returning to the system.
+constexpr std::int64_t largeProblem = 200000;
 
 std::unique_ptr<LinearSystem> makeSystem(const Registry& registry, const Options& options) {
   if (const LinearSystemFactory* factory = registry.findLinearSystem(options.linearSolver)) return (*factory)(options);
@@ -188,6 +192,8 @@ Summary Optimizer::optimize(Graph& graph) {
   }
   compiled_->prepare(graph, options_, algorithm, summary.threads);
   Problem& problem = *compiled_->problem;
+  const bool large = problem.edges() > largeProblem;
+  if (large && !compiled_->reused) returnFreeMemory();
   summary.gauge = compiled_->gauge;
   summary.edges = problem.edges();
   summary.isolated.assign(problem.isolated().begin(), problem.isolated().end());
@@ -207,6 +213,7 @@ Summary Optimizer::optimize(Graph& graph) {
       announce(options_, "analysing the structure");
       compiled_->system = compiled_->asked ? std::move(compiled_->asked) : makeSystem(*graph.registry(), options_);
       compiled_->system->analyze(problem, options_, summary.threads);
+      if (large) returnFreeMemory();
     }
     summary.plan = compiled_->system->plan();
     if (summary.plan.exceedsMemory) {

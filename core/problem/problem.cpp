@@ -172,7 +172,6 @@ void Problem::makeBatches(std::vector<std::vector<const Edge*>> edges, const std
     firstEnd[type + 1] = firstEnd[type];
     for (const Edge* edge : edges[type]) firstEnd[type + 1] += static_cast<std::size_t>(edge->arity());
   }
-  int largest = 0;
   for (const int type : order) {
     auto& list = edges[static_cast<std::size_t>(type)];
     if (list.empty()) continue;
@@ -186,13 +185,10 @@ void Problem::makeBatches(std::vector<std::vector<const Edge*>> edges, const std
     edgeTypes_.push_back(&edgeType);
     const int size = batches_.back()->size();
     edges_ += size;
-    largest = std::max(largest, size);
     for (int begin = 0; begin < size; begin += pieceEdges) {
       pieces_.push_back({static_cast<int>(batches_.size()) - 1, begin, std::min(size, begin + pieceEdges), {}});
     }
   }
-  counting_.resize(static_cast<std::size_t>(largest));
-  std::iota(counting_.begin(), counting_.end(), 0);
   double nanoseconds = 0.0;
   for (const auto& batch : batches_) nanoseconds += evaluationPerRow * batch->size() * batch->largestShape().rows;
   evaluationThreads_ = worthwhileThreads(threads_, nanoseconds);
@@ -270,7 +266,9 @@ CostTotals Problem::evaluate(const State& state) {
     piece.totals = {};
     for (int begin = piece.begin; begin < piece.end; begin += step) {
       const int count = std::min(step, piece.end - begin);
-      batch.evaluate(state, {counting_.data() + begin, static_cast<std::size_t>(count)}, panel);
+      std::int32_t edges[Panel::capacity];
+      std::iota(edges, edges + count, begin);
+      batch.evaluate(state, {edges, static_cast<std::size_t>(count)}, panel);
       for (int i = 0; i < count; ++i) {
         piece.totals.chi2 += panel.squaredError[i];
         piece.totals.cost += panel.cost[i];

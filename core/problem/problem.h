@@ -125,7 +125,6 @@ class Problem {
   };
   std::vector<Piece> pieces_;
   std::vector<std::vector<PanelBuffer>> panels_;
-  std::vector<std::int32_t> counting_;
 };
 
 }  // namespace quiver

@@ -32,6 +32,8 @@ class PointAssembler {
 
   /// Sums of all points, at Group::sums.
   const double* sums() const { return sums_.data(); }
+  /// As much memory again, for whoever needs it between two linearisations: a trial overwrites it.
+  double* spare() { return trialSums_.data(); }
   /// H of the kept vertices: lower triangle in their own order, diagonal blocks and blocks of pairs joined by an edge.
   const BlockMatrix& hessian() const { return hessian_; }
   /// g of the kept vertices.

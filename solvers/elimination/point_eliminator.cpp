@@ -30,7 +30,7 @@ int indexOf(std::vector<int>& list, int value) {
 }  // namespace
 
 PointEliminator::PointEliminator(const Problem& problem, const EliminationPlan& plan, const RowLinearizer& linearizer,
-                                 const PointAssembler& assembler, int threads)
+                                 PointAssembler& assembler, int threads)
     : problem_(&problem),
       plan_(&plan),
       linearizer_(&linearizer),
@@ -52,7 +52,6 @@ PointEliminator::PointEliminator(const Problem& problem, const EliminationPlan& 
     }
   }
   largestRecord_ = largest;
-  factors_ = AlignedBuffer(plan.sumNumbers() + 8);
   paddedIn_ = AlignedBuffer(next + largest);
   for (int p = 0; p < parts; ++p) workspaces_.push_back(makeWorkspace());
 }
@@ -157,7 +156,7 @@ void PointEliminator::setDamping(std::span<const double> damping) {
     Workspace& work = workspaces_[static_cast<std::size_t>(p)];
     for (auto g = static_cast<int>(p * count / parts); g < (p + 1) * count / parts; ++g) {
       const std::int64_t sums = plan_->groups()[static_cast<std::size_t>(g)].sums;
-      factorGroup(g, damping_, work.scratch.data(), factors_.data() + sums);
+      factorGroup(g, damping_, work.scratch.data(), assembler_->spare() + sums);
     }
   });
 }
@@ -180,7 +179,7 @@ unsigned PointEliminator::factorGroup(int g, std::span<const double> damping, do
 }
 
 const double* PointEliminator::factorOf(int g) const {
-  return factors_.data() + plan_->groups()[static_cast<std::size_t>(g)].sums;
+  return assembler_->spare() + plan_->groups()[static_cast<std::size_t>(g)].sums;
 }
 
 std::vector<int> PointEliminator::singularPoints() const {
@@ -250,21 +249,26 @@ void PointEliminator::reduceTile(const State& state, int t, int slabIndex, Block
   Slab& slab = slabs_[static_cast<std::size_t>(slabIndex)];
   const TilePlan::Tile& tile = tiles_.tiles()[static_cast<std::size_t>(t)];
   const std::int64_t groups = tile.groupEnd - tile.groupBegin;
-  parallelFor(parts, threads_, [&](std::int64_t p) {
+  // Slabs that run side by side leave no threads for parts; one workspace then stays in the first cache.
+  const std::int64_t cuts = slabs_.size() > 1 ? 1 : parts;
+  parallelFor(cuts, threads_, [&](std::int64_t p) {
     Workspace& work = workspaces_[static_cast<std::size_t>(slabIndex * parts + p)];
-    for (std::int64_t g = p * groups / parts; g < (p + 1) * groups / parts; ++g)
-      writeRecords(state, tile.groupBegin + static_cast<int>(g), slab, work);
+    const auto begin = static_cast<int>(tile.groupBegin + p * groups / cuts);
+    const auto end = static_cast<int>(tile.groupBegin + (p + 1) * groups / cuts);
+    work.rows.end = 0;
+    for (int g = begin; g < end; ++g)
+      writeRecords(state, g, plan_->groups()[static_cast<std::size_t>(end - 1)].rowEnd, slab, work);
   });
   double* values = slabIndex == 0 ? matrix.values().data() : slab.copy.data();
   double* own = slabIndex == 0 ? right.data() : slab.right.data();
   const std::int64_t blocks = tile.blockEnd - tile.blockBegin;
-  parallelFor(parts, threads_, [&](std::int64_t p) {
-    visitBlocks(tile.blockBegin + p * blocks / parts, tile.blockBegin + (p + 1) * blocks / parts, tile.dimension,
+  parallelFor(cuts, threads_, [&](std::int64_t p) {
+    visitBlocks(tile.blockBegin + p * blocks / cuts, tile.blockBegin + (p + 1) * blocks / cuts, tile.dimension,
                 slab.records.data(), values, own);
   });
 }
 
-void PointEliminator::writeRecords(const State& state, int g, Slab& slab, Workspace& work) {
+void PointEliminator::writeRecords(const State& state, int g, int limit, Slab& slab, Workspace& work) {
   const EliminationPlan::Group& group = plan_->groups()[static_cast<std::size_t>(g)];
   const int e = group.dimension;
   const double* factor = factorOf(g);
@@ -275,29 +279,25 @@ void PointEliminator::writeRecords(const State& state, int g, Slab& slab, Worksp
     std::fill_n(record, detail::recordSize(k, e), 0.0);
     for (int c = 0; c < e; ++c) record[detail::recordEntry(k, e, k, c)] = tau[c * lanes + shared.lane];
   }
-  for (int begin = group.rowBegin; begin < group.rowEnd;) {
-    const int end = linearizer_->runEnd(begin, group.rowEnd);
-    const Panel& panel = linearizer_->linearize(state, begin, end, work.rows, nullptr);
-    for (int r = begin; r < end; ++r) {
-      const EliminationPlan::Row& row = plan_->rows()[static_cast<std::size_t>(r)];
-      const RowKind& kind = plan_->kinds()[static_cast<std::size_t>(row.kind)];
-      const KindKernels& kernels = kernels_[static_cast<std::size_t>(row.kind)];
-      const int n = kind.shape.rows;
-      const double* Je = panel.jacobian[kind.role] + (r - begin) * n * e * lanes;
-      const std::uint16_t* places = tiles_.places(row);
-      for (int role = 0; role < static_cast<int>(kind.keptRoles.size()); ++role, places += lanes) {
-        const int k = kind.dimension(role);
-        double* records[lanes];
-        for (int lane = 0; lane < lanes; ++lane) {
-          records[lane] = places[lane] == TilePlan::nowhere ? work.nowhere.data()
-                                                            : slab.records.data() + std::int64_t{places[lane]} * 8;
-        }
-        kernels.reduce[static_cast<std::size_t>(role)](
-            panel.jacobian[kind.keptRoles[static_cast<std::size_t>(role)]] + (r - begin) * n * k * lanes, Je, factor, n,
-            k, e, tiles_.adds(r, role), work.scratch.data(), records);
+  for (int r = group.rowBegin; r < group.rowEnd; ++r) {
+    const auto [panel, at] = linearizer_->rowPanel(state, r, limit, work.rows);
+    const EliminationPlan::Row& row = plan_->rows()[static_cast<std::size_t>(r)];
+    const RowKind& kind = plan_->kinds()[static_cast<std::size_t>(row.kind)];
+    const KindKernels& kernels = kernels_[static_cast<std::size_t>(row.kind)];
+    const int n = kind.shape.rows;
+    const double* Je = panel->jacobian[kind.role] + at * n * e * lanes;
+    const std::uint16_t* places = tiles_.places(row);
+    for (int role = 0; role < static_cast<int>(kind.keptRoles.size()); ++role, places += lanes) {
+      const int k = kind.dimension(role);
+      double* records[lanes];
+      for (int lane = 0; lane < lanes; ++lane) {
+        records[lane] = places[lane] == TilePlan::nowhere ? work.nowhere.data()
+                                                          : slab.records.data() + std::int64_t{places[lane]} * 8;
       }
+      const double* Jk = panel->jacobian[kind.keptRoles[static_cast<std::size_t>(role)]] + at * n * k * lanes;
+      kernels.reduce[static_cast<std::size_t>(role)](Jk, Je, factor, n, k, e, tiles_.adds(r, role), work.scratch.data(),
+                                                     records);
     }
-    begin = end;
   }
 }
 
@@ -340,7 +340,7 @@ void PointEliminator::mergeSlabs(BlockMatrix& matrix, std::span<double> right) {
 }
 
 std::int64_t PointEliminator::bytes() const {
-  std::int64_t doubles = factors_.size() + paddedIn_.size();
+  std::int64_t doubles = paddedIn_.size();
   for (const Slab& slab : slabs_)
     doubles += slab.copy.size() + slab.records.size() + static_cast<std::int64_t>(slab.right.size());
   for (const AlignedBuffer& out : paddedOut_) doubles += out.size();

@@ -26,7 +26,7 @@ class PointEliminator {
   /// `matrix` is S in elimination order, `position[kept]` a vertex's block in it. The other arguments must outlive the
   /// eliminator.
   PointEliminator(const Problem& problem, const EliminationPlan& plan, const RowLinearizer& linearizer,
-                  const PointAssembler& assembler, int threads);
+                  PointAssembler& assembler, int threads);
 
   /// Lays out S and the lists of products. With `diagonalOnly` S has diagonal blocks alone, and the factors of points
   /// are stored for multiplyReduced.
@@ -85,10 +85,10 @@ class PointEliminator {
   const double* factorOf(int group) const;
   void startReduced(BlockMatrix& matrix, std::span<double> right);
   void reduceTile(const State& state, int tile, int slabIndex, BlockMatrix& matrix, std::span<double> right);
-  void writeRecords(const State& state, int group, Slab& slab, Workspace& work);
+  void writeRecords(const State& state, int group, int limit, Slab& slab, Workspace& work);
   void visitBlocks(std::int64_t begin, std::int64_t end, int e, const double* records, double* values, double* right);
   void mergeSlabs(BlockMatrix& matrix, std::span<double> right);
-  void substituteGroup(const State& state, int group, std::span<double> delta, Workspace& work);
+  void substituteGroup(const State& state, int group, int limit, std::span<double> delta, Workspace& work);
   void padKept(std::span<const double> x, bool allVariables);
   void productPass(const State& state, Product what, std::span<const double> x, std::span<double> y);
   void productGroup(const State& state, int group, Product what, std::span<const double> x, std::span<double> y,
@@ -99,7 +99,7 @@ class PointEliminator {
   const Problem* problem_ = nullptr;
   const EliminationPlan* plan_ = nullptr;
   const RowLinearizer* linearizer_ = nullptr;
-  const PointAssembler* assembler_ = nullptr;
+  PointAssembler* assembler_ = nullptr;  // its spare memory holds the points' factors
   int threads_ = 1;
   const detail::EliminationKernels* set_ = nullptr;
   std::vector<KindKernels> kernels_;
@@ -113,7 +113,6 @@ class PointEliminator {
   std::vector<int> pointDimensions_;
   std::int64_t largestRecord_ = 8;
   std::span<const double> damping_;
-  AlignedBuffer factors_;  // of all points, at Group::sums
   std::vector<Slab> slabs_;
   std::vector<Workspace> workspaces_;
   std::vector<std::int64_t> padded_;  // of each kept vertex: its place in padded vectors

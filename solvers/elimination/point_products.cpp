@@ -34,8 +34,11 @@ void PointEliminator::substitute(const State& state, std::span<double> delta) {
   };
   parallelFor(parts, threads_, [&](std::int64_t p) {
     const auto end = p + 1 == parts ? static_cast<std::ptrdiff_t>(groups.size()) : groupAt((p + 1) * rows / parts);
-    for (std::ptrdiff_t g = p == 0 ? 0 : groupAt(p * rows / parts); g < end; ++g)
-      substituteGroup(state, static_cast<int>(g), delta, workspaces_[static_cast<std::size_t>(p)]);
+    const auto begin = p == 0 ? 0 : groupAt(p * rows / parts);
+    Workspace& work = workspaces_[static_cast<std::size_t>(p)];
+    work.rows.end = 0;
+    for (std::ptrdiff_t g = begin; g < end; ++g)
+      substituteGroup(state, static_cast<int>(g), groups[static_cast<std::size_t>(end - 1)].rowEnd, delta, work);
   });
 }
 
@@ -58,24 +61,20 @@ void PointEliminator::alongRow(int r, int panelRow, const Panel& panel, double* 
 }
 
 /// δ = −(V + D)⁻¹ (g + Wᵀ δ_kept).
-void PointEliminator::substituteGroup(const State& state, int g, std::span<double> delta, Workspace& work) {
+void PointEliminator::substituteGroup(const State& state, int g, int limit, std::span<double> delta, Workspace& work) {
   const EliminationPlan::Group& group = plan_->groups()[static_cast<std::size_t>(g)];
   const int e = group.dimension;
   const double* factor = factorOf(g);
   double* t = work.scratch.data();
   std::copy_n(assembler_->sums() + group.sums + e * (e + 1) / 2 * lanes, e * lanes, t);
-  for (int begin = group.rowBegin; begin < group.rowEnd && plan_->kept() > 0;) {
-    const int end = linearizer_->runEnd(begin, group.rowEnd);
-    const Panel& panel = linearizer_->linearize(state, begin, end, work.rows, nullptr);
-    const auto kindIndex = static_cast<std::size_t>(plan_->rows()[static_cast<std::size_t>(begin)].kind);
+  for (int r = group.rowBegin; r < group.rowEnd && plan_->kept() > 0; ++r) {
+    const auto kindIndex = static_cast<std::size_t>(plan_->rows()[static_cast<std::size_t>(r)].kind);
     const RowKind& kind = plan_->kinds()[kindIndex];
+    if (kind.keptRoles.empty()) continue;
+    const auto [panel, at] = linearizer_->rowPanel(state, r, limit, work.rows);
     const int n = kind.shape.rows;
-    for (int r = begin; r < end && !kind.keptRoles.empty(); ++r) {
-      alongRow(r, r - begin, panel, work.along.data());
-      kernels_[kindIndex].transposed(panel.jacobian[kind.role] + (r - begin) * n * e * lanes, work.along.data(), n, e,
-                                     t);
-    }
-    begin = end;
+    alongRow(r, at, *panel, work.along.data());
+    kernels_[kindIndex].transposed(panel->jacobian[kind.role] + at * n * e * lanes, work.along.data(), n, e, t);
   }
   set_->solvePoint(e)(factor, e, t);
   for (int lane = 0; lane < lanes; ++lane) {
@@ -159,7 +158,7 @@ void PointEliminator::productGroup(const State& state, int g, Product what, std:
   if (what == Product::reduced) {
     forEachRun(true, false);
     std::copy_n(t, e * lanes, p);
-    set_->solvePoint(e)(factors_.data() + group.sums, e, p);
+    set_->solvePoint(e)(factorOf(g), e, p);
   }
   forEachRun(what == Product::full, true);
   for (int lane = 0; what == Product::full && lane < lanes; ++lane) {

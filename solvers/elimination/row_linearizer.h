@@ -1,5 +1,6 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include <quiver/core/algorithm/linear_system.h>
@@ -20,6 +21,10 @@ class RowLinearizer {
   struct Workspace {
     std::vector<PanelBuffer> panels;
     std::vector<PanelBuffer> single;
+    /// What rowPanel() linearised last; `end` = 0 forgets it.
+    int begin = 0;
+    int end = 0;
+    const Panel* panel = nullptr;
   };
 
   RowLinearizer() = default;
@@ -38,6 +43,16 @@ class RowLinearizer {
   int runEnd(int begin, int end) const;
   /// Rows [begin, end) of one kind, at most mostRows. Adds their totals if `totals` is given.
   const Panel& linearize(const State& state, int begin, int end, Workspace& work, CostTotals* totals) const;
+  /// The panel that holds a row, and its place there. Rows are taken in ascending order; they are linearised as many at
+  /// a time as fit, before `limit`, whatever groups they belong to. A pass starts by setting the workspace's end to 0.
+  std::pair<const Panel*, int> rowPanel(const State& state, int row, int limit, Workspace& work) const {
+    if (row >= work.end) {
+      work.begin = row;
+      work.end = runEnd(row, limit);
+      work.panel = &linearize(state, work.begin, work.end, work, nullptr);
+    }
+    return {work.panel, row - work.begin};
+  }
 
  private:
   void pack(std::size_t kind);

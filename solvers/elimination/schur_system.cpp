@@ -140,7 +140,7 @@ void SchurSystem::chooseSolver(const BlockPattern& pattern, const Options& optio
 
 std::int64_t SchurSystem::predictBytes() const {
   std::int64_t bytes =
-      elimination_.bytes() + RowLinearizer::predictBytes(*problem_, elimination_) + 3 * elimination_.sumNumbers() * 8;
+      elimination_.bytes() + RowLinearizer::predictBytes(*problem_, elimination_) + 2 * elimination_.sumNumbers() * 8;
   if (elimination_.kept() == 0) return bytes;
   bytes += static_cast<std::int64_t>(neighbours_.kept.size()) * 2;  // places
   if (!implicit_) {
