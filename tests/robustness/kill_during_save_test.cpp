@@ -15,8 +15,9 @@
 namespace quiver::test {
 namespace {
 
-/// Saves two graphs in turn to one file, for ever; writes a byte to `ready` before the first.
-[[noreturn]] void saveForEver(const std::string& path, const Graph& a, const Graph& b, int ready) {
+/// Saves two graphs in turn to one file, for ever; writes a byte to `ready` before the first. An error ends the
+/// process.
+[[noreturn]] void saveForEver(const std::string& path, const Graph& a, const Graph& b, int ready) noexcept {
   const char byte = 1;
   if (::write(ready, &byte, 1) != 1) ::_exit(1);
   while (true) {

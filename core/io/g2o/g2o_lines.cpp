@@ -188,7 +188,7 @@ void G2oIndexer::readFixIds() {
 
 void G2oIndexer::refuseTag(std::string_view tag) const {
   std::vector<std::string> known = tags_.registry().knownTags();
-  for (const char* toro : {"VERTEX2", "EDGE2", "BR"}) {
+  for (const char* toro : {"VERTEX2", "EDGE2"}) {
     if (tags_.find(toro)) known.emplace_back(toro);
   }
   const std::string nearest = nearestWord(tag, known);
