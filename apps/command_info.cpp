@@ -14,6 +14,7 @@
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/initial_guess.h>
 #include <quiver/apps/support/log_dialect.h>
+#include <quiver/apps/support/long_work.h>
 #include <quiver/apps/support/output.h>
 #include <quiver/apps/support/standard_streams.h>
 #include <quiver/core/algorithm/gauge.h>
@@ -163,13 +164,17 @@ Json describeDepth(const Graph& graph) {
 
 void info(const Flags& flags) {
   checkOutputs({flags.json});
+  LongWork longWork(false);
+  longWork.reading(flags.source.path);
   LoadedGraph loaded = loadGraph(flags.source);
+  longWork.expect(loaded.graph);
   for (const std::string& note : readingNotes(flags.source, loaded.report)) tell(stderr, "{}\n", note);
   Json json;
   json["quiver"] = QUIVER_VERSION;
   json["input"] = describeInput(flags.source, loaded);
   if (flags.dialect == Dialect::logarithm) loaded.graph = withLogarithmicEdges(loaded.graph);
   Graph& graph = loaded.graph;
+  longWork.tell("counting, components and bridges");
   const GraphSurvey survey = surveyGraph(graph);
   json.update(describeSurvey(survey));
   json.update(describeConnections(graph));
@@ -177,6 +182,7 @@ void info(const Flags& flags) {
                             ? "every matrix is finite, symmetric and positive semi-definite"
                             : fmt::format("{} matrices were repaired", loaded.report.clampedInformation);
   if (survey.withoutEstimate.empty()) {
+    longWork.tell("directions that nothing holds, residuals");
     const Problem problem(graph, {.level = -1, .free = {}, .threads = flags.source.threads});
     const Json freedom = describeFreedom(graph, problem);
     json.update(describeResiduals(graph, determinedNumbers(problem, freedom), flags.worst));
@@ -185,6 +191,7 @@ void info(const Flags& flags) {
     json.update(Json{{"chi2", nullptr}, {"cost", nullptr}, {"worst_edges", Json::array()}, {"gauge", Json::array()}});
   }
   if (Json depth = describeDepth(graph); !depth.is_null()) json["depth"] = std::move(depth);
+  if (flags.plan) longWork.tell("planning the solve");
   if (flags.plan) json["plan"] = describePlan(graph, flags.source.threads);
   if (!flags.json.empty()) saveJson(flags.json, json);
   if (flags.json == "-") return;

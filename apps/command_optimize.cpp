@@ -1,5 +1,4 @@
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <optional>
 
@@ -16,6 +15,7 @@
 #include <quiver/apps/support/initial_guess.h>
 #include <quiver/apps/support/interrupt.h>
 #include <quiver/apps/support/log_dialect.h>
+#include <quiver/apps/support/long_work.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/output.h>
 #include <quiver/apps/support/standard_streams.h>
@@ -29,13 +29,13 @@ namespace {
 /// One run of the command.
 class Run {
  public:
-  explicit Run(const OptimizeFlags& flags) : flags_(flags) {}
+  explicit Run(const OptimizeFlags& flags) : flags_(flags), longWork_(flags.quiet) {}
 
   int run() {
     checkOutputs({flags_.output, flags_.json});
-    tellOfReading();
+    longWork_.reading(flags_.source.path);
     LoadedGraph loaded = loadGraph(flags_.source);
-    long_ = long_ || loaded.graph.vertexCount() + loaded.graph.edgeCount() > longElements;
+    longWork_.expect(loaded.graph);
     if (interrupt_.token().stop_requested()) return stoppedEarly("reading");
     report_.loadSeconds = loaded.seconds;
     checkOutputFormat(flags_.output, loaded.graph);
@@ -68,16 +68,6 @@ class Run {
     if (stream()) tell(stream(), "{}\n", sentence);
   }
 
-  /// Phases of long work are told of on standard error as they begin.
-  void tellPhase(std::string_view phase) const {
-    if (long_ && !flags_.quiet) tell(stderr, "[{:7.1f} s] {}\n", whole_.seconds(), phase);
-  }
-  void tellOfReading() {
-    std::error_code error;
-    const std::uintmax_t bytes = std::filesystem::file_size(flags_.source.path, error);
-    long_ = !error && bytes > longBytes;
-    tellPhase(fmt::format("reading {} ({} MB)", flags_.source.path, error ? 0 : bytes / 1000000));
-  }
   int stoppedEarly(const char* doing) const {
     tell(stderr, "{}: stopped while {}; nothing is written\n", displayName(flags_.source.path), doing);
     return exitInterrupted;
@@ -121,9 +111,9 @@ class Run {
     restrictDimension(graph, options);
     Progress progress(stream());
     options.callback = [&progress](const IterationReport& iteration) { progress.iteration(iteration); };
-    options.phase = [this](std::string_view phase) { tellPhase(phase); };
+    options.phase = [this](std::string_view phase) { longWork_.tell(phase); };
     options.timeLimit = std::max(0.0, flags_.timeLimit - whole_.seconds());
-    tellPhase(fmt::format("initial guess for {} vertices and {} edges", graph.vertexCount(), graph.edgeCount()));
+    longWork_.tell(fmt::format("initial guess for {} vertices and {} edges", graph.vertexCount(), graph.edgeCount()));
     Stopwatch watch;
     const bool complete = verticesWithoutEstimate(graph) == 0;
     report_.fileChi2 = std::numeric_limits<double>::quiet_NaN();
@@ -143,19 +133,15 @@ class Run {
 
   void save(const LoadedGraph& loaded) {
     Stopwatch watch;
-    if (!flags_.output.empty()) tellPhase(fmt::format("saving {}", flags_.output));
+    if (!flags_.output.empty()) longWork_.tell(fmt::format("saving {}", flags_.output));
     if (!flags_.output.empty()) saveGraph(flags_.output, loaded.graph, flags_.source.threads);
     report_.saveSeconds = watch.seconds();
     report_.totalSeconds = whole_.seconds();
     if (!flags_.json.empty()) saveJson(flags_.json, describeRun(report_, describeInput(flags_.source, loaded)));
   }
 
-  /// Above these, work takes seconds.
-  static constexpr std::uintmax_t longBytes = 30'000'000;
-  static constexpr std::int64_t longElements = 300'000;
-
   OptimizeFlags flags_;
-  bool long_ = false;
+  LongWork longWork_;
   Stopwatch whole_;
   Interrupt interrupt_;
   OptimizeReport report_;
