@@ -31,6 +31,39 @@ class EdgeSE3Line3D : public BaseEdge<EdgeSE3Line3D, 4, Vector<double, 6>, Verte
                         atan2(S(measured.distance - seen.distance), S(1.0 + measured.distance * seen.distance)));
   }
 
+  /// The line in the sensor's frame follows its pose T = X P by dw = w × φ + d × ρ and dd = d × φ, for a motion (ρ, φ)
+  /// of T in its own frame, which is Ad(P⁻¹) of that of X; and its own tangent by those of its frame and distance.
+  template <typename S>
+  static void linearizeOplus(const Vector<S, 6>& z, const SE3<S>& offset, const SE3<S>& pose, const Vector<S, 6>& line,
+                             Matrix<S, 4, 6>& J0, Matrix<S, 4, 4>& J1) {
+    const SE3<S> T = pose * offset;
+    const Vector<S, 6> seen = seenFrom<S>(T, line);
+    const Change<S> change(z, seen);
+    const Vector<S, 3> w(seen[0], seen[1], seen[2]), d(seen[3], seen[4], seen[5]);
+    Matrix<S, 4, 6> J;
+    for (int k = 0; k < 3; ++k) {
+      Vector<S, 3> axis(S(0.0), S(0.0), S(0.0));
+      axis[k] = S(1.0);
+      J.col(k) = change.ofError(cross<S>(d, axis), Vector<S, 3>(S(0.0), S(0.0), S(0.0)));
+      J.col(k + 3) = change.ofError(cross<S>(w, axis), cross<S>(d, axis));
+    }
+    const Matrix<S, 3, 3> back = offset.rotation().inverse().matrix();
+    J0.template block<4, 3>(0, 0) = J.template block<4, 3>(0, 0) * back;
+    J0.template block<4, 3>(0, 3) = J.template block<4, 3>(0, 3) * back -
+                                    J.template block<4, 3>(0, 0) * Matrix<S, 3, 3>(back * hat<S>(offset.translation()));
+
+    const detail::OrthonormalLine<S> own(line);
+    const Vector<S, 3> u = own.U.col(0), direction = own.U.col(1), third = own.U.col(2), none = S(0.0) * u;
+    const auto ofLine = [&](const Vector<S, 3>& dw, const Vector<S, 3>& dd) {
+      const Vector<S, 3> shift = cross<S>(T.translation(), dd);
+      return change.ofError(T.rotation().actInverse(Vector<S, 3>(dw - shift)), T.rotation().actInverse(dd));
+    };
+    J1.col(0) = ofLine(none, third);
+    J1.col(1) = ofLine(Vector<S, 3>(-own.distance * third), none);
+    J1.col(2) = ofLine(Vector<S, 3>(own.distance * direction), Vector<S, 3>(-u));
+    J1.col(3) = ofLine(Vector<S, 3>((1.0 + own.distance * own.distance) * u), none);
+  }
+
   static bool initialEstimate(int to, const Vector<double, 6>& z, const SE3<double>& offset, SE3<double>& pose,
                               Vector<double, 6>& line) {
     if (to != 1) return false;
@@ -43,6 +76,35 @@ class EdgeSE3Line3D : public BaseEdge<EdgeSE3Line3D, 4, Vector<double, 6>, Verte
   void write(FieldWriter& writer) const { writer.reals({measurementStore().values(), 6}); }
 
  private:
+  /// How the error follows small changes of the line seen: its frame U turns by ω about its own axes, the quaternion of
+  /// U_Lᵀ U_z by −ω from the left.
+  template <typename S>
+  struct Change {
+    detail::OrthonormalLine<S> seen;
+    S w;             // of the quaternion with w ≥ 0
+    Vector<S, 3> v;  // its vector part
+    S inverse;       // 1 / distance; 0 for a line through the origin, whose moment has no direction
+
+    Change(const Vector<S, 6>& z, const Vector<S, 6>& line) : seen(line) {
+      const Matrix<S, 3, 3> turn = seen.U.transpose() * detail::OrthonormalLine<S>(z).U;
+      const SO3<S> q = SO3<S>::fromMatrix(turn);
+      const S sign = signOf(q.w());
+      w = sign * q.w();
+      v = Vector<S, 3>(sign * q.x(), sign * q.y(), sign * q.z());
+      const auto through = seen.distance < S(1e-12);
+      inverse = select(through, S(0.0), 1.0 / select(through, S(1.0), seen.distance));
+    }
+    Vector<S, 4> ofError(const Vector<S, 3>& dw, const Vector<S, 3>& dd) const {
+      const Vector<S, 3> u = seen.U.col(0), third = seen.U.col(2);
+      const Vector<S, 3> turn(dot<S>(third, dd), -inverse * dot<S>(third, dw), -dot<S>(u, dd));
+      const Vector<S, 3> across = cross<S>(v, turn);
+      Vector<S, 4> e;
+      for (int i = 0; i < 3; ++i) e[i] = -0.5 * (w * turn[i] - across[i]);
+      e[3] = -dot<S>(u, dw) / (1.0 + seen.distance * seen.distance);
+      return e;
+    }
+  };
+
   /// The line in the frame of a pose T: d' = Rᵀ d, w' = Rᵀ (w − t × d).
   template <typename S>
   static Vector<S, 6> seenFrom(const SE3<S>& T, const Vector<S, 6>& line) {
