@@ -133,8 +133,11 @@ class Run {
 
   void save(const LoadedGraph& loaded) {
     Stopwatch watch;
-    if (!flags_.output.empty()) longWork_.tell(fmt::format("saving {}", flags_.output));
-    if (!flags_.output.empty()) saveGraph(flags_.output, loaded.graph, flags_.source.threads);
+    // A solve that was refused has no estimate of its own: an older output is worth more.
+    if (!flags_.output.empty() && report_.summary.status != Status::memoryLimit) {
+      longWork_.tell(fmt::format("saving {}", flags_.output));
+      saveGraph(flags_.output, loaded.graph, flags_.source.threads);
+    }
     report_.saveSeconds = watch.seconds();
     report_.totalSeconds = whole_.seconds();
     if (!flags_.json.empty()) saveJson(flags_.json, describeRun(report_, describeInput(flags_.source, loaded)));

@@ -94,6 +94,13 @@ TEST_F(Surroundings, NothingIsReportedThatWasNotEvaluated) {
   EXPECT_EQ(told.find("chi2"), std::string::npos) << told;
 }
 
+TEST_F(Surroundings, ARefusedSolveLeavesTheOldOutput) {
+  write("in.g2o", square);
+  write("out.g2o", "what was there before");
+  EXPECT_EQ(run("optimize in.g2o -o out.g2o --memory-limit 100").exitCode, 4);
+  EXPECT_EQ(read("out.g2o"), "what was there before");
+}
+
 TEST_F(Surroundings, UsageErrorsSayWhatWouldDo) {
   write("in.g2o", square);
   struct Wrong {
