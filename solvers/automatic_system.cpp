@@ -2,18 +2,28 @@
 
 #include <quiver/solvers/elimination/schur_system.h>
 #include <quiver/solvers/normal_equations.h>
+#include <quiver/solvers/single_variable.h>
 
 namespace quiver {
 
 AutomaticSystem::AutomaticSystem(std::function<std::unique_ptr<LinearSolver>()> make) : make_(std::move(make)) {}
 
 bool AutomaticSystem::eliminates(const Problem& problem, const Options& options) const {
+  if (single(problem)) return false;
   choice_ = chooseElimination(problem, options);
   choiceVariables_ = problem.variables();
   return choice_->count > 0;
 }
 
+bool AutomaticSystem::single(const Problem& problem) const { return !make_ && SingleVariable::serves(problem); }
+
 void AutomaticSystem::analyze(const Problem& problem, const Options& options, int threads) {
+  if (single(problem)) {
+    system_ = std::make_unique<SingleVariable>();
+    system_->analyze(problem, options, threads);
+    plan_ = system_->plan();
+    return;
+  }
   // Variables that were fixed since make it another problem.
   EliminationChoice choice =
       choice_ && choiceVariables_ == problem.variables() ? std::move(*choice_) : chooseElimination(problem, options);

@@ -10,9 +10,9 @@
 
 namespace quiver {
 
-/// Decides between all variables at once (NormalEquations) and elimination of an independent set first (SchurSystem)
-/// when the structure is known, as Options::elimination says; what is left is solved by a given linear solver or by the
-/// one of least predicted cost.
+/// Decides between one variable (SingleVariable), all variables at once (NormalEquations) and elimination of an
+/// independent set first (SchurSystem) when the structure is known, as Options::elimination says; what is left is
+/// solved by a given linear solver or by the one of least predicted cost.
 class AutomaticSystem final : public LinearSystem {
  public:
   /// `make` is empty to have the linear solver chosen.
@@ -22,6 +22,7 @@ class AutomaticSystem final : public LinearSystem {
   void analyze(const Problem& problem, const Options& options, int threads) override;
   CostTotals linearize(const State& state) override { return system_->linearize(state); }
   std::optional<CostTotals> tryState(const State& trial) override { return system_->tryState(trial); }
+  void dropTrial() override { system_->dropTrial(); }
   LinearOutcome solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) override {
     return system_->solve(damping, delta, stop);
   }
@@ -36,6 +37,8 @@ class AutomaticSystem final : public LinearSystem {
   void addSeconds(PhaseSeconds& seconds) override { system_->addSeconds(seconds); }
 
  private:
+  bool single(const Problem& problem) const;
+
   std::function<std::unique_ptr<LinearSolver>()> make_;
   std::unique_ptr<LinearSystem> system_;
   bool eliminates_ = false;

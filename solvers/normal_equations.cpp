@@ -97,7 +97,20 @@ void NormalEquations::analyze(const Problem& problem, const Options& options, in
 }
 
 CostTotals NormalEquations::linearize(const State& state) {
-  return assembler_.assemble(state, matrix_, gradient_, diagonal_, seconds_);
+  state_ = &state;
+  const bool done = tried_ == state.data();
+  tried_ = nullptr;
+  return done ? triedTotals_ : assembler_.assemble(state, matrix_, gradient_, diagonal_, seconds_);
+}
+
+std::optional<CostTotals> NormalEquations::tryState(const State& trial) {
+  triedTotals_ = assembler_.assemble(trial, matrix_, gradient_, diagonal_, seconds_);
+  tried_ = trial.data();
+  return triedTotals_;
+}
+
+void NormalEquations::dropTrial() {
+  if (tried_ != nullptr) linearize(*state_);
 }
 
 LinearOutcome NormalEquations::solve(std::span<const double> damping, std::span<double> delta,

@@ -19,6 +19,8 @@ class NormalEquations final : public LinearSystem {
 
   void analyze(const Problem& problem, const Options& options, int threads) override;
   CostTotals linearize(const State& state) override;
+  std::optional<CostTotals> tryState(const State& trial) override;
+  void dropTrial() override;
   LinearOutcome solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) override;
   LinearOutcome solveWithLastFactor(std::span<double> delta, const StopCondition& stop) override;
   bool applyInverse(std::span<double> b) override;
@@ -47,6 +49,10 @@ class NormalEquations final : public LinearSystem {
   std::vector<double> blockDamping_;
   mutable std::vector<double> blockVector_;
   mutable std::vector<double> blockResult_;
+  /// The state of the last linearize(), and what a trial since then overwrote: its state and totals, or null.
+  const State* state_ = nullptr;
+  const double* tried_ = nullptr;
+  CostTotals triedTotals_;
   SolvePlan plan_;
   PhaseSeconds seconds_;
 };

@@ -11,6 +11,7 @@ namespace quiver {
 /// A pose in the plane, body to world. Tangent: (x, y) in metres along the body's axes, then the heading in radians.
 class VertexSE2 : public BaseVertex<VertexSE2, 3, SE2<double>> {
  public:
+  static constexpr bool lanes = true;
   static constexpr std::array tangent{"x [m]", "y [m]", "theta [rad]"};
 
   /// t + R ρ, wrap(θ + φ).

@@ -11,6 +11,7 @@ namespace quiver {
 /// A pose in space, body to world. Tangent: (ρ, φ), metres along and radians about the body's axes.
 class VertexSE3 : public BaseVertex<VertexSE3, 6, SE3<double>> {
  public:
+  static constexpr bool lanes = true;
   static constexpr std::array tangent{"x [m]", "y [m]", "z [m]", "roll [rad]", "pitch [rad]", "yaw [rad]"};
 
   /// X Exp(ρ, φ).

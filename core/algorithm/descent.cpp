@@ -71,6 +71,7 @@ bool Descent::exhausted() {
 
 CostTotals Descent::tryStep() {
   Stopwatch watch;
+  report_.gradient = gradientNorm();
   problem_.retract(delta_);
   const double square = sumInLanes(delta_.size(), [&](std::size_t i) { return delta_[i] * delta_[i]; });
   relativeStep_ = std::sqrt(square) / (problem_.stateNorm() + 1e-10);
@@ -91,7 +92,6 @@ bool Descent::accept(const CostTotals& trial) {
   }
   const double costBefore = totals_.cost;
   rejected_ = false;
-  report_.gradient = gradientNorm();
   problem_.acceptTrial();
   totals_ = system_.linearize(problem_.state());
   totals_.chi2 = trial.chi2;
@@ -106,6 +106,7 @@ bool Descent::accept(const CostTotals& trial) {
 
 void Descent::reject() {
   rejected_ = true;
+  system_.dropTrial();
   report_.gradient = gradientNorm();
   emitReport(false);
 }

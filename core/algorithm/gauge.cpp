@@ -8,6 +8,7 @@
 
 #include <quiver/core/util/parallel.h>
 #include <quiver/geometry/scalar/isa.h>
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 namespace quiver {
@@ -262,6 +263,38 @@ void addPiece(const EdgeSource& source, std::int64_t piece, std::int64_t pieces,
   }
 }
 
+/// Whether the first edges of a problem of one variable hold all its directions beyond doubt, as a few pixels of known
+/// points do for the pose of one camera: the pivots of their JᵀJ, scaled to a unit diagonal, are clearly positive.
+bool clearlyHeld(const Problem& problem) {
+  const EdgeBatch& batch = problem.batch(0);
+  if (!batch.uniform()) return false;
+  const EdgeShape shape = batch.largestShape();
+  const int count = std::min(batch.size(), Panel::capacity);
+  const int dimension = problem.dimension(0);
+  PanelBuffer buffer(shape);
+  std::int32_t ids[Panel::capacity];
+  std::iota(ids, ids + count, 0);
+  batch.linearize(problem.state(), {ids, static_cast<std::size_t>(count)}, buffer.panel());
+  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(dimension, dimension);
+  for (int i = 0; i < count; ++i) {
+    const auto slots = batch.slots(i);
+    for (std::size_t role = 0; role < slots.size(); ++role) {
+      if (problem.variableOfSlot(slots[role]) != 0) continue;
+      const double* const J =
+          buffer.panel().jacobian[role] + i / Panel::lanes * dimension * shape.rows * Panel::lanes + i % Panel::lanes;
+      const auto entry = [&](int r, int c) { return J[(c * shape.rows + r) * Panel::lanes]; };
+      for (int a = 0; a < dimension; ++a) {
+        for (int b = 0; b <= a; ++b) {
+          for (int r = 0; r < shape.rows; ++r) square(a, b) += entry(r, a) * entry(r, b);
+        }
+      }
+    }
+  }
+  const Eigen::VectorXd scale = square.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<Eigen::MatrixXd> factor(scale.asDiagonal() * square * scale.asDiagonal());
+  return factor.info() == Eigen::Success && factor.matrixLLT().diagonal().minCoeff() > std::sqrt(clearlyNoticed);
+}
+
 /// Adds one vertex's GᵀG to its component.
 void addVertex(const double* generators, int dimension, Products& products) {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, gaugeDirections, Eigen::RowMajor>;
@@ -272,6 +305,12 @@ void addVertex(const double* generators, int dimension, Products& products) {
 }  // namespace
 
 std::vector<ComponentGauge> findGauges(const Problem& problem) {
+  if (problem.variables() == 1 && problem.batches() > 0 && !problem.anyHeldDirections() && clearlyHeld(problem)) {
+    ComponentGauge held;
+    held.anchor = 0;
+    held.variables = {0};
+    return {held};
+  }
   std::vector<int> componentOf;
   std::vector<ComponentGauge> gauges = components(problem, componentOf);
   std::vector<std::int64_t> begin;

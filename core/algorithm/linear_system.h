@@ -54,9 +54,11 @@ class LinearSystem {
   /// Computes H and g at a state, and the totals there.
   virtual CostTotals linearize(const State& state) = 0;
 
-  /// Totals at a trial, for a system that linearises there at once, since `linearize` at the same state, unchanged,
-  /// then costs nothing; H and g stay those of the last `linearize` until then. Nothing for a system that does not.
+  /// Linearises at a trial, for a system that does so at once, since `linearize` at the same state, unchanged, then
+  /// costs nothing. Until then, or until `dropTrial`, H and g are nobody's. Nothing for a system that does not.
   virtual std::optional<CostTotals> tryState(const State&) { return std::nullopt; }
+  /// The trial is not taken: H and g are those of the last `linearize` again, whose state is unchanged.
+  virtual void dropTrial() {}
 
   /// delta = −(H + diag(damping))⁻¹ g; `damping` has an entry ≥ 0 for every scalar, or is empty.
   virtual LinearOutcome solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) = 0;

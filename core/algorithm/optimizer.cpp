@@ -146,8 +146,9 @@ struct Optimizer::Compiled {
   bool reused = false;
 
   /// The problem and its gauge, anew unless the graph has the structure of the last call.
-  void prepare(Graph& graph, const Options& options, Algorithm algorithm, int threads) {
-    const StructureKey newKey(graph, options, threads);
+  void prepare(Graph& graph, const Options& options, Algorithm algorithm, int threads, bool again) {
+    StructureKey newKey;
+    if (again) newKey = StructureKey(graph, options, threads);
     reused = problem && newKey == key;
     if (reused) return problem->refresh();
     system.reset();
@@ -163,7 +164,7 @@ struct Optimizer::Compiled {
           algorithm == Algorithm::automatic && (hasRobustKernel(*problem) || asked->eliminates(*problem, options));
       settleGauge(*problem, options, damped ? Algorithm::levenbergMarquardt : algorithm, gauge);
     }
-    key = newKey;
+    key = std::move(newKey);
   }
 };
 
@@ -174,7 +175,7 @@ Optimizer& Optimizer::operator=(Optimizer&&) noexcept = default;
 bool Optimizer::reused() const { return compiled_->reused; }
 Options& Optimizer::options() { return options_; }
 
-Summary Optimizer::optimize(Graph& graph) {
+Summary Optimizer::run(Graph& graph, bool again) {
   options_.validate();
   const Algorithm algorithm = algorithmOf(options_);
   Stopwatch watch;
@@ -190,7 +191,7 @@ Summary Optimizer::optimize(Graph& graph) {
     summary.initialCost = summary.finalCost = std::numeric_limits<double>::quiet_NaN();
     return summary;
   }
-  compiled_->prepare(graph, options_, algorithm, summary.threads);
+  compiled_->prepare(graph, options_, algorithm, summary.threads, again);
   Problem& problem = *compiled_->problem;
   const bool large = problem.edges() > largeProblem;
   if (large && !compiled_->reused) returnFreeMemory();
@@ -235,6 +236,6 @@ Summary Optimizer::optimize(Graph& graph) {
   return summary;
 }
 
-Summary optimize(Graph& graph, const Options& options) { return Optimizer(options).optimize(graph); }
+Summary optimize(Graph& graph, const Options& options) { return Optimizer(options).run(graph, false); }
 
 }  // namespace quiver

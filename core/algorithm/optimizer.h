@@ -31,13 +31,17 @@ class Optimizer {
   Optimizer(Optimizer&&) noexcept;
   Optimizer& operator=(Optimizer&&) noexcept;
 
-  [[nodiscard]] Summary optimize(Graph& graph);
+  [[nodiscard]] Summary optimize(Graph& graph) { return run(graph, true); }
   /// Whether the last call reused the structure of the one before.
   bool reused() const;
   /// Applies to the next call; a change of solver, level, subset, gauge or threads compiles anew.
   Options& options();
 
  private:
+  friend Summary optimize(Graph& graph, const Options& options);
+  /// `again`: another call may follow, so the structure is kept with what identifies it.
+  Summary run(Graph& graph, bool again);
+
   struct Compiled;
   Options options_;
   std::unique_ptr<Compiled> compiled_;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string_view>
 
 namespace quiver {
@@ -9,6 +11,13 @@ struct RobustValue {
   double rho;
   double weight;
   double second;
+};
+
+/// The same at many squared errors, an array each.
+struct RobustValues {
+  double* rho;
+  double* weight;
+  double* second;
 };
 
 /// How a robust kernel enters the normal equations of an edge with whitened residual r and Jacobian J. Both give the
@@ -29,6 +38,9 @@ struct RobustKernelType {
   double defaultShape = 0.0;
   /// The width is in units of e, squared standard deviations, and not in standard deviations.
   bool squaredWidth = false;
+  /// `evaluate` for many squared errors at once, the same numbers faster; may be left out.
+  void (*evaluateAll)(std::span<const double> squaredErrors, double width, double shape,
+                      const RobustValues& values) = nullptr;
 
   /// The width at which the kernel departs from the square where the squared error of a residual of that dimension,
   /// χ²-distributed, stays with that probability. Throws GraphError unless 0 < probability < 1 and dimension ≥ 1.
@@ -53,6 +65,19 @@ class RobustKernel {
   RobustValue evaluate(double squaredError) const {
     return type_ ? type_->evaluate(squaredError, width_, shape_) : RobustValue{squaredError, 1.0, 0.0};
   }
+  /// The same for all of them.
+  void evaluate(std::span<const double> squaredErrors, const RobustValues& values) const {
+    if (type_ && type_->evaluateAll) return type_->evaluateAll(squaredErrors, width_, shape_, values);
+    for (std::size_t i = 0; i < squaredErrors.size(); ++i) {
+      const RobustValue value = evaluate(squaredErrors[i]);
+      values.rho[i] = value.rho;
+      values.weight[i] = value.weight;
+      values.second[i] = value.second;
+    }
+  }
+
+  /// Whether both are the same function.
+  bool operator==(const RobustKernel&) const = default;
 
  private:
   const RobustKernelType* type_ = nullptr;

@@ -7,12 +7,26 @@
 namespace quiver {
 namespace {
 
+/// A kernel over many errors: a loop that the compiler turns into vectors where the kernel has no branch.
+template <RobustValue (*kernel)(double, double, double)>
+void all(std::span<const double> errors, double width, double shape, const RobustValues& values) {
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const RobustValue value = kernel(errors[i], width, shape);
+    values.rho[i] = value.rho;
+    values.weight[i] = value.weight;
+    values.second[i] = value.second;
+  }
+}
+
 RobustValue huber(double e, double width, double) {
   const double square = width * width;
-  if (e <= square) return {e, 1.0, 0.0};
+  // Both sides are computed and one is chosen: outliers come in no order that a processor could guess.
+  const bool inside = e <= square;
   const double root = std::sqrt(e);
   const double weight = width / root;
-  return {2.0 * width * root - square, weight, -0.5 * weight / e};
+  const double rho = 2.0 * width * root - square;
+  const double second = -0.5 * weight / e;
+  return {inside ? e : rho, inside ? 1.0 : weight, inside ? 0.0 : second};
 }
 
 RobustValue cauchy(double e, double width, double) {
@@ -91,32 +105,50 @@ RobustValue arctan(double e, double width, double) {
   return {square * std::atan(ratio), weight, -2.0 * ratio * weight * weight / square};
 }
 
-constexpr RobustKernelType huberType{"Huber", huber,
-                                     "width in standard deviations: e, beyond it 2 width sqrt(e) - width^2"};
-constexpr RobustKernelType cauchyType{"Cauchy", cauchy, "width in standard deviations: width^2 ln(1 + e / width^2)"};
+constexpr RobustKernelType huberType{
+    "Huber", huber,     "width in standard deviations: e, beyond it 2 width sqrt(e) - width^2", false, 0.0,
+    false,   all<huber>};
+constexpr RobustKernelType cauchyType{
+    "Cauchy", cauchy, "width in standard deviations: width^2 ln(1 + e / width^2)", false, 0.0, false, all<cauchy>};
 constexpr RobustKernelType tukeyType{
-    "Tukey", tukey, "width in standard deviations: width^2/3 (1 - (1 - e/width^2)^3), constant beyond it"};
-constexpr RobustKernelType pseudoHuberType{"PseudoHuber", pseudoHuber,
-                                           "width in standard deviations: 2 width^2 (sqrt(1 + e/width^2) - 1)"};
-constexpr RobustKernelType gemanMcClureType{
-    "GemanMcClure", gemanMcClure, "width in squared standard deviations, as in g2o: width e / (width + e)",
-    false,          0.0,          true};
-constexpr RobustKernelType welschType{"Welsch", welsch, "width in standard deviations: width^2 (1 - exp(-e/width^2))"};
-constexpr RobustKernelType fairType{"Fair", fair,
-                                    "width in standard deviations: 2 width^2 (sqrt(e)/width - ln(1 + sqrt(e)/width))"};
-constexpr RobustKernelType saturatedType{"Saturated", saturated, "width in standard deviations: min(e, width^2)"};
+    "Tukey",   tukey, "width in standard deviations: width^2/3 (1 - (1 - e/width^2)^3), constant beyond it",
+    false,     0.0,   false,
+    all<tukey>};
+constexpr RobustKernelType pseudoHuberType{
+    "PseudoHuber", pseudoHuber,     "width in standard deviations: 2 width^2 (sqrt(1 + e/width^2) - 1)", false, 0.0,
+    false,         all<pseudoHuber>};
+constexpr RobustKernelType gemanMcClureType{"GemanMcClure",
+                                            gemanMcClure,
+                                            "width in squared standard deviations, as in g2o: width e / (width + e)",
+                                            false,
+                                            0.0,
+                                            true,
+                                            all<gemanMcClure>};
+constexpr RobustKernelType welschType{
+    "Welsch", welsch, "width in standard deviations: width^2 (1 - exp(-e/width^2))", false, 0.0, false, all<welsch>};
+constexpr RobustKernelType fairType{
+    "Fair", fair,     "width in standard deviations: 2 width^2 (sqrt(e)/width - ln(1 + sqrt(e)/width))", false, 0.0,
+    false,  all<fair>};
+constexpr RobustKernelType saturatedType{
+    "Saturated", saturated, "width in standard deviations: min(e, width^2)", false, 0.0, false, all<saturated>};
 constexpr RobustKernelType dcsType{
     "DCS",
     dcs,
     "dynamic covariance scaling, width in squared standard deviations: e, beyond it width (3e - width)/(width + e)",
     false,
     0.0,
-    true};
-constexpr RobustKernelType barronType{"Barron", barron,
+    true,
+    all<dcs>};
+constexpr RobustKernelType barronType{"Barron",
+                                      barron,
                                       "Barron's general kernel, width in standard deviations; shape 2 is none, 1 "
                                       "pseudo-Huber, 0 Cauchy, -2 Geman-McClure",
-                                      true, 1.0};
-constexpr RobustKernelType arctanType{"Arctan", arctan, "width in standard deviations: width^2 arctan(e/width^2)"};
+                                      true,
+                                      1.0,
+                                      false,
+                                      all<barron>};
+constexpr RobustKernelType arctanType{
+    "Arctan", arctan, "width in standard deviations: width^2 arctan(e/width^2)", false, 0.0, false, all<arctan>};
 
 }  // namespace
 

@@ -1,6 +1,8 @@
 #include <quiver/core/problem/canonical_order.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <numeric>
 #include <span>
 
@@ -38,42 +40,104 @@ struct EdgeIds {
   }
 };
 
-/// An edge and the numbers of its line, kept in a common buffer; the first of them here, since it mostly decides.
+/// An edge and the first number of what it measures, as an integer in the same order.
 struct EdgeContent {
-  double first = 0.0;
-  std::size_t begin = 0;
-  std::size_t end = 0;
+  std::uint64_t key = 0;
   const Edge* edge = nullptr;
 };
 
-/// Sorts edges of one type and the same vertices by what they measure. The lines are written once an edge, not once a
-/// comparison. O(edges log edges).
-void sortByContent(const Graph& graph, std::span<const Edge*> edges) {
-  NumberCollector lines;
-  std::vector<EdgeContent> contents;
-  contents.reserve(edges.size());
-  for (const Edge* edge : edges) {
-    const EdgeType& type = graph.typeOf(*edge);
-    const std::size_t begin = lines.numbers.size();
-    type.write(*edge, lines);
-    type.writeTail(*edge, lines);
-    const std::size_t end = lines.numbers.size();
-    contents.push_back({begin < end ? lines.numbers[begin] : 0.0, begin, end, edge});
+/// Bits of a double that compare as the numbers do; not a number has a place too.
+std::uint64_t orderedBits(double value) {
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  constexpr std::uint64_t sign = std::uint64_t{1} << 63;
+  return (bits & sign) != 0 ? ~bits : bits | sign;
+}
+
+double valueOf(std::uint64_t ordered) {
+  constexpr std::uint64_t sign = std::uint64_t{1} << 63;
+  return std::bit_cast<double>((ordered & sign) != 0 ? ordered ^ sign : ~ordered);
+}
+
+int compareNumbers(std::span<const double> a, std::span<const double> b) {
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    const std::uint64_t first = orderedBits(a[i]), second = orderedBits(b[i]);
+    if (first != second) return first < second ? -1 : 1;
   }
-  const auto numbers = [&](const EdgeContent& content) {
-    return std::span(lines.numbers).subspan(content.begin, content.end - content.begin);
-  };
-  const auto less = [&](const EdgeContent& a, const EdgeContent& b) {
-    if (a.first != b.first) return a.first < b.first;
-    if (const int order = compareRanges(numbers(a), numbers(b))) return order < 0;
+  return a.size() == b.size() ? 0 : (a.size() < b.size() ? -1 : 1);
+}
+
+/// Orders edges of one type by what they measure and how it is weighed.
+class ContentOrder {
+ public:
+  explicit ContentOrder(const EdgeType& type) : type_(&type) {}
+
+  EdgeContent contentOf(const Edge& edge) const {
+    const std::span<const double> numbers = type_->measurement(edge);
+    if (!numbers.empty()) return {orderedBits(numbers[0]), &edge};
+    const std::vector<double> line = lineOf(edge);
+    return {line.empty() ? 0 : orderedBits(line[0]), &edge};
+  }
+
+  bool operator()(const EdgeContent& a, const EdgeContent& b) const {
+    if (a.key != b.key) return a.key < b.key;
+    if (const int order = compareNumbers(type_->measurement(*a.edge), type_->measurement(*b.edge))) return order < 0;
     if (const int order = compareRanges(a.edge->parameterIds(), b.edge->parameterIds())) return order < 0;
-    const EdgeType& type = graph.typeOf(*a.edge);
-    if (const int order = compareRanges(type.information(*a.edge), type.information(*b.edge))) return order < 0;
+    if (const int order = compareNumbers(type_->information(*a.edge), type_->information(*b.edge))) return order < 0;
     const RobustKernel &first = a.edge->robustKernel(), &second = b.edge->robustKernel();
     if (first.name() != second.name()) return first.name() < second.name();
-    return first.width() < second.width();
+    if (first.width() != second.width()) return first.width() < second.width();
+    // A type may keep more than these numbers: its line tells.
+    return compareNumbers(lineOf(*a.edge), lineOf(*b.edge)) < 0;
+  }
+
+ private:
+  std::vector<double> lineOf(const Edge& edge) const {
+    NumberCollector line;
+    type_->write(edge, line);
+    type_->writeTail(edge, line);
+    return std::move(line.numbers);
+  }
+
+  const EdgeType* type_;
+};
+
+/// Sorts by content: first into as many buckets as there are edges, evenly over the range of their first numbers, which
+/// leaves few edges a bucket. O(edges) then, O(edges log edges) at worst.
+void sortContents(std::vector<EdgeContent>& contents, const ContentOrder& order) {
+  constexpr std::size_t few = 32;
+  const auto [least, most] =
+      std::minmax_element(contents.begin(), contents.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
+  const double lowest = valueOf(least->key);
+  const double scale = static_cast<double>(contents.size() - 1) / (valueOf(most->key) - lowest);
+  if (contents.size() <= few || !std::isfinite(scale) || scale == 0.0) {
+    std::sort(contents.begin(), contents.end(), order);
+    return;
+  }
+  // Rounding keeps the order of numbers, so no edge of a bucket belongs into an earlier one.
+  const auto bucketOf = [&](const EdgeContent& content) {
+    return std::min(static_cast<std::size_t>((valueOf(content.key) - lowest) * scale), contents.size() - 1);
   };
-  std::stable_sort(contents.begin(), contents.end(), less);
+  std::vector<std::uint32_t> end(contents.size() + 1, 0);
+  for (const EdgeContent& content : contents) ++end[bucketOf(content) + 1];
+  for (std::size_t bucket = 1; bucket < end.size(); ++bucket) end[bucket] += end[bucket - 1];
+  std::vector<EdgeContent> sorted(contents.size());
+  // What begins a bucket moves to where it ends.
+  for (const EdgeContent& content : contents) sorted[end[bucketOf(content)]++] = content;
+  std::size_t begin = 0;
+  for (const std::uint32_t last : end) {
+    if (last - begin > 1) std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(begin), sorted.begin() + last, order);
+    begin = last;
+  }
+  contents.swap(sorted);
+}
+
+/// Sorts edges of one type and the same vertices.
+void sortByContent(const Graph& graph, std::span<const Edge*> edges) {
+  const ContentOrder order(graph.typeOf(*edges[0]));
+  std::vector<EdgeContent> contents;
+  contents.reserve(edges.size());
+  for (const Edge* edge : edges) contents.push_back(order.contentOf(*edge));
+  sortContents(contents, order);
   std::transform(contents.begin(), contents.end(), edges.begin(), [](const EdgeContent& c) { return c.edge; });
 }
 

@@ -4,6 +4,7 @@
 #include <tuple>
 #include <vector>
 
+#include <quiver/core/problem/apply_kernels.h>
 #include <quiver/core/problem/edge_batch.h>
 #include <quiver/core/problem/scalar_loop.h>
 #include <quiver/core/problem/square_root.h>
@@ -182,19 +183,18 @@ class DynamicBatch final : public EdgeBatch {
   void refresh(const Graph& graph, int) override {
     roots_.clear();
     rootBegin_.assign(1, 0);
-    kernels_.clear();
     parameters_.clear();
     for (int i = 0; i < size(); ++i) {
       const auto information = typed(i).informationStore().values();
       roots_.resize(roots_.size() + information.size());
       squareRoot(information, typed(i).informationStore().dimension(), roots_.data() + rootBegin_.back());
       rootBegin_.push_back(roots_.size());
-      kernels_.push_back(edge(i).robustKernel());
       for (const std::int64_t id : edge(i).parameterIds()) {
         const std::span<const double> values = parameterValues(graph, id);
         parameters_.insert(parameters_.end(), values.begin(), values.end());
       }
     }
+    kernels_.collect(size(), [this](int i) -> const RobustKernel& { return edge(i).robustKernel(); });
   }
 
  private:
@@ -395,6 +395,6 @@ class DynamicBatch final : public EdgeBatch {
   std::vector<double> roots_;
   std::vector<std::size_t> rootBegin_;
   std::vector<double> parameters_;
-  std::vector<RobustKernel> kernels_;
+  BatchKernels kernels_;
 };
 }  // namespace quiver::detail

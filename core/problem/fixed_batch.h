@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include <quiver/core/problem/apply_kernels.h>
 #include <quiver/core/problem/edge_batch.h>
 #include <quiver/core/problem/pack_rows.h>
 #include <quiver/core/problem/product_loop.h>
@@ -105,7 +106,7 @@ class FixedBatch final : public EdgeBatch {
     applyKernels(panel, kernels_, edges, Loop::rows, Loop::columns, robustCorrection());
   }
 
-  bool addsProducts() const override { return multiplies && inLanes() && kernels_.empty(); }
+  bool addsProducts() const override { return multiplies && inLanes() && kernels_.none(); }
 
   void addProducts(const State& state, int first, int count, const ProductTargets& targets,
                    double* squaredError) const override {
@@ -141,20 +142,14 @@ class FixedBatch final : public EdgeBatch {
 
   void refresh(const Graph& graph, int threads) override {
     countRefresh();
-    const int count = size();
     // Mostly all edges are like the first; if not, the diagonal alone does not do.
     diagonal_ = hasDiagonal(information(0));
-    bool robust = packAll(graph, threads);
+    packAll(graph, threads);
     if (diagonal_ && std::find(mixed_.begin(), mixed_.end(), 1) != mixed_.end()) {
       diagonal_ = false;
-      robust = packAll(graph, threads);
+      packAll(graph, threads);
     }
-    if (!robust) {
-      kernels_.clear();
-      return;
-    }
-    kernels_.resize(static_cast<std::size_t>(count));
-    for (int i = 0; i < count; ++i) kernels_[static_cast<std::size_t>(i)] = edge(i).robustKernel();
+    kernels_.collect(size(), [this](int i) -> const RobustKernel& { return edge(i).robustKernel(); });
   }
 
  private:
@@ -183,9 +178,8 @@ class FixedBatch final : public EdgeBatch {
     return static_cast<const E&>(edge(i)).informationStore().values();
   }
 
-  /// Lays out the constants of all edges; mixed_ tells by chunk whether an information matrix is not diagonal. Returns
-  /// whether any edge has a robust kernel.
-  bool packAll(const Graph& graph, int threads) {
+  /// Lays out the constants of all edges; mixed_ tells by chunk whether an information matrix is not diagonal.
+  void packAll(const Graph& graph, int threads) {
     constexpr int chunk = 256;
     const int count = size();
     const auto chunks = static_cast<std::size_t>((count + chunk - 1) / chunk);
@@ -193,16 +187,13 @@ class FixedBatch final : public EdgeBatch {
     const std::int64_t padded = (std::int64_t{count} + Panel::lanes - 1) / Panel::lanes * Panel::lanes;
     if (constants_.size() != padded * numbers_) constants_ = AlignedBuffer(padded * numbers_, false);
     mixed_.assign(chunks, 0);
-    robust_.assign(chunks, 0);
     parallelFor(static_cast<std::int64_t>(chunks), threads, [&](std::int64_t c) {
       const int end = std::min(count, static_cast<int>(c + 1) * chunk);
       for (int i = static_cast<int>(c) * chunk; i < end; ++i) {
         if (!hasDiagonal(information(i))) mixed_[static_cast<std::size_t>(c)] = 1;
-        if (edge(i).robustKernel()) robust_[static_cast<std::size_t>(c)] = 1;
         pack(graph, i);
       }
     });
-    return std::find(robust_.begin(), robust_.end(), 1) != robust_.end();
   }
 
   /// Lays out the constants of one edge. The last edge also fills the lanes behind it.
@@ -285,11 +276,10 @@ class FixedBatch final : public EdgeBatch {
   AlignedBuffer constants_;
   std::vector<std::int64_t> records_;
   std::vector<const Edge*> objects_;
-  std::vector<RobustKernel> kernels_;
+  BatchKernels kernels_;
   bool diagonal_ = false;
   int numbers_ = 0;
   std::vector<char> mixed_;
-  std::vector<char> robust_;
 };
 
 }  // namespace quiver::detail

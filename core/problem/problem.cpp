@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <quiver/core/problem/canonical_order.h>
+#include <quiver/core/problem/retraction.h>
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/lane_sums.h>
 #include <quiver/core/util/parallel.h>
@@ -17,7 +18,7 @@ namespace {
 constexpr int pieceEdges = 256;
 /// Nanoseconds, about: what is worth a thread.
 constexpr double evaluationPerRow = 3.0;
-constexpr double retractionPerVariable = 25.0;
+constexpr double retractionPerVariable = 6.0;
 
 bool coversAll(std::uint64_t mask, int dimension) {
   const std::uint64_t all = dimension >= 64 ? Vertex::allDirections : (std::uint64_t{1} << dimension) - 1;
@@ -144,12 +145,20 @@ void Problem::numberVariables(const std::vector<char>& movable) {
   dimensions_.clear();
   offsets_.assign(1, 0);
   held_.clear();
+  runs_.clear();
+  records_.clear();
   anyHeld_ = false;
   for (std::size_t slot = 0; slot < vertices_.size(); ++slot) {
     if (!movable[slot]) continue;
     const Vertex& vertex = *vertices_[slot];
-    const int dimension = graph_->typeOf(vertex).dimension(vertex);
-    slotVariables_[slot] = static_cast<int>(variableSlots_.size());
+    const VertexType& type = graph_->typeOf(vertex);
+    const int dimension = type.dimension(vertex);
+    const auto variable = static_cast<int>(variableSlots_.size());
+    if (runs_.empty() || runs_.back().type != &type || dimensions_.back() != dimension)
+      runs_.push_back({&type, variable, variable});
+    runs_.back().end = variable + 1;
+    records_.push_back(layout_.offset(static_cast<int>(slot)));
+    slotVariables_[slot] = variable;
     variableSlots_.push_back(static_cast<int>(slot));
     dimensions_.push_back(dimension);
     offsets_.push_back(offsets_.back() + dimension);
@@ -233,11 +242,14 @@ void Problem::retract(std::span<const double> delta) {
   const int count = variables();
   const int threads = worthwhileThreads(threads_, retractionPerVariable * count);
   parallelFor((count + piece - 1) / piece, threads, [&](std::int64_t p) {
-    const int end = std::min(count, static_cast<int>(p + 1) * piece);
-    for (int variable = static_cast<int>(p) * piece; variable < end; ++variable) {
-      const int slot = slotOfVariable(variable);
-      vertexType(slot).retract(state_.record(slot), delta.data() + offset(variable), trial_.record(slot),
-                               dimension(variable));
+    const int begin = static_cast<int>(p) * piece;
+    const int end = std::min(count, begin + piece);
+    const auto first =
+        std::partition_point(runs_.begin(), runs_.end(), [&](const Run& run) { return run.end <= begin; });
+    for (auto run = first; run != runs_.end() && run->begin < end; ++run) {
+      const int from = std::max(begin, run->begin), to = std::min(end, run->end);
+      run->type->retractAll({records_.data() + from, to - from, dimension(from), state_.data(),
+                             delta.data() + offset(from), trial_.data()});
     }
   });
 }

@@ -112,6 +112,14 @@ class Problem {
   std::vector<const EdgeType*> edgeTypes_;
   std::int64_t edges_ = 0;
   std::vector<std::int64_t> isolated_;
+  /// Variables of one type and dimension that are neighbours, and where the record of each variable lies.
+  struct Run {
+    const VertexType* type;
+    int begin;
+    int end;
+  };
+  std::vector<Run> runs_;
+  std::vector<std::int64_t> records_;
   State state_;
   State trial_;
   State best_;

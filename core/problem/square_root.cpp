@@ -53,38 +53,6 @@ void semidefinite(std::span<const double> omega, int n, double* u) {
   }
 }
 
-/// The least 1 + 2eρ''/ρ' at which the second-order correction is applied. Below it the curvature along the residual is
-/// (nearly) lost, or negative, and a step along it would be unbounded.
-constexpr double leastCurvature = 1e-2;
-
-/// Multiplies every entry of lane values by its lane's factor.
-void scaleLanes(double* values, int entries, std::size_t groups, const double* factors) {
-  for (std::size_t g = 0; g < groups; ++g, factors += Panel::lanes) {
-    for (int k = 0; k < entries; ++k, values += Panel::lanes) {
-      for (int lane = 0; lane < Panel::lanes; ++lane) values[lane] *= factors[lane];
-    }
-  }
-}
-
-/// J ← (I − s rrᵀ) J for every lane's s, in one block.
-void projectLanes(const double* residual, double* jacobian, int rows, int columns, std::size_t groups,
-                  const double* shares) {
-  for (std::size_t g = 0; g < groups; ++g, shares += Panel::lanes, residual += rows * Panel::lanes) {
-    for (int c = 0; c < columns; ++c, jacobian += rows * Panel::lanes) {
-      double along[Panel::lanes] = {};
-      for (int r = 0; r < rows; ++r) {
-        for (int lane = 0; lane < Panel::lanes; ++lane)
-          along[lane] += residual[r * Panel::lanes + lane] * jacobian[r * Panel::lanes + lane];
-      }
-      for (int lane = 0; lane < Panel::lanes; ++lane) along[lane] *= shares[lane];
-      for (int r = 0; r < rows; ++r) {
-        for (int lane = 0; lane < Panel::lanes; ++lane)
-          jacobian[r * Panel::lanes + lane] -= residual[r * Panel::lanes + lane] * along[lane];
-      }
-    }
-  }
-}
-
 }  // namespace
 
 bool squareRoot(std::span<const double> information, int dimension, double* out) {
@@ -99,47 +67,6 @@ bool squareRoot(std::span<const double> information, int dimension, double* out)
   std::copy(information.begin(), information.end(), out);
   if (!cholesky(dimension, out)) semidefinite(information, dimension, out);
   return false;
-}
-
-void applyKernels(const Panel& panel, std::span<const RobustKernel> kernels, std::span<const std::int32_t> edges,
-                  int rows, std::span<const int> columns, std::optional<RobustCorrection> correction) {
-  const std::size_t count = edges.size();
-  if (kernels.empty()) {
-    std::copy(panel.squaredError, panel.squaredError + count, panel.cost);
-    std::fill(panel.weight, panel.weight + count, 1.0);
-    return;
-  }
-  double roots[Panel::capacity];    // √ρ'
-  double shares[Panel::capacity];   // α/e
-  double stretch[Panel::capacity];  // √ρ' / (1 − α)
-  bool weighted = false;
-  bool curved = false;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double e = panel.squaredError[i];
-    const RobustValue value = kernels[static_cast<std::size_t>(edges[i])].evaluate(e);
-    panel.cost[i] = value.rho;
-    panel.weight[i] = value.weight;
-    roots[i] = stretch[i] = std::sqrt(std::max(value.weight, 0.0));
-    shares[i] = 0.0;
-    weighted = weighted || value.weight != 1.0;
-    if (correction != RobustCorrection::second || !(value.weight > 0.0) || !(e > 0.0) || value.second == 0.0) continue;
-    const double curvature = 1.0 + 2.0 * e * value.second / value.weight;
-    if (!(curvature >= leastCurvature)) continue;
-    shares[i] = (1.0 - std::sqrt(curvature)) / e;
-    stretch[i] = roots[i] / std::sqrt(curvature);
-    curved = true;
-  }
-  if (!correction || !(weighted || curved)) return;
-  const std::size_t groups = (count + Panel::lanes - 1) / Panel::lanes;
-  const std::size_t padded = groups * Panel::lanes;
-  std::fill(roots + count, roots + padded, 1.0);
-  std::fill(stretch + count, stretch + padded, 1.0);
-  std::fill(shares + count, shares + padded, 0.0);
-  for (std::size_t role = 0; role < columns.size(); ++role) {
-    if (curved) projectLanes(panel.residual, panel.jacobian[role], rows, columns[role], groups, shares);
-    scaleLanes(panel.jacobian[role], rows * columns[role], groups, roots);
-  }
-  scaleLanes(panel.residual, rows, groups, stretch);
 }
 
 }  // namespace quiver::detail

@@ -41,6 +41,7 @@ class State {
   const double* record(int slot) const { return values_.data() + offsets_[slot]; }
   double* record(int slot) { return values_.data() + offsets_[slot]; }
   const double* data() const { return values_.data(); }
+  double* data() { return values_.data(); }
   const std::int64_t* offsets() const { return offsets_; }
 
  private:

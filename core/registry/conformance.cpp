@@ -10,6 +10,7 @@
 
 #include <quiver/core/algorithm/check_jacobians.h>
 #include <quiver/core/problem/problem.h>
+#include <quiver/core/problem/retraction.h>
 #include <quiver/core/registry/field_tokens.h>
 #include <quiver/core/util/error.h>
 
@@ -168,7 +169,33 @@ class Conformance {
     std::vector<double> inPlace = x;
     type.retract(inPlace.data(), delta.data(), inPlace.data(), dimension);
     expect(inPlace == out, type, "oplus", "x oplus delta differs when written over x");
+    checkTogether(type, x, dimension);
     checkDirections(type, x, dimension);
+  }
+
+  /// Vertices moved together end where each does alone, but for rounding.
+  void checkTogether(const VertexType& type, const std::vector<double>& x, int dimension) {
+    constexpr int count = 11;
+    constexpr double rounding = 1e-13;
+    const std::size_t stride = (x.size() + 7) / 8 * 8;
+    std::vector<double> from(count * stride + 8, 0.0), to = from, alone(x.size());
+    std::vector<double> delta(static_cast<std::size_t>(count * dimension));
+    for (double& step : delta) step = uniform(random_, -0.5, 0.5);
+    std::vector<std::int64_t> records;
+    for (std::size_t i = 0; i < count; ++i) {
+      records.push_back(static_cast<std::int64_t>(i * stride));
+      std::copy(x.begin(), x.end(), from.begin() + records.back());
+    }
+    type.retractAll({records.data(), count, dimension, from.data(), delta.data(), to.data()});
+    double difference = 0.0;
+    for (int i = 0; i < count; ++i) {
+      type.retract(x.data(), delta.data() + i * dimension, alone.data(), dimension);
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        const double value = to[static_cast<std::size_t>(records[static_cast<std::size_t>(i)]) + k];
+        difference = std::max(difference, std::abs(value - alone[k]) / std::max(1.0, std::abs(alone[k])));
+      }
+    }
+    expect(difference <= rounding, type, "oplus", fmt::format("many at once differ from one by {:.3g}", difference));
   }
 
   /// The derivative of x ⊞ δ at 0 has independent columns, whatever their lengths.

@@ -16,6 +16,7 @@ namespace quiver {
 class EdgeBatch;
 class Graph;
 struct BatchSource;
+struct Retraction;
 
 /// What every descriptor of a registry tells: its tag in files, its C++ type, and documentation for `quiver list`.
 class ElementType {
@@ -67,6 +68,10 @@ class VertexType : public ElementType {
 
   /// out = x ⊞ delta on value arrays; `dimension` is the tangent's. out may be x.
   virtual void retract(const double* x, const double* delta, double* out, int dimension) const = 0;
+
+  /// The same for many vertices of one dimension; records must not overlap. Eight at a time where the type sets
+  /// `lanes`.
+  virtual void retractAll(const Retraction& retraction) const = 0;
 
   /// Names of the tangent's directions, with units: "x [m]"; "direction i" where the type gives none.
   virtual std::vector<std::string> tangentNames(int dimension) const = 0;
@@ -121,6 +126,8 @@ class EdgeType : public ElementType {
   virtual int errorDimension() const = 0;
   virtual int errorDimension(const Edge& edge) const = 0;
 
+  /// The numbers of the measurement; none if it is not of a packable type.
+  virtual std::span<const double> measurement(const Edge& edge) const = 0;
   /// Upper triangle of the information matrix, row by row.
   virtual std::span<const double> information(const Edge& edge) const = 0;
   /// Sets it unchecked; the number of entries decides a run-time dimension.

@@ -11,6 +11,7 @@
 
 #include <quiver/core/problem/dynamic_batch.h>
 #include <quiver/core/problem/fixed_batch.h>
+#include <quiver/core/problem/retraction.h>
 #include <quiver/core/registry/value_fields.h>
 #include <quiver/core/util/type_name.h>
 
@@ -89,10 +90,18 @@ class VertexTypeOf final : public VertexType {
       Eigen::Map<Eigen::VectorXd>(out, dimension) =
           V::oplus(Vector<double, Dynamic>(estimate), Vector<double, Dynamic>(step));
     } else {
-      using Estimate = typename V::Estimate;
-      const Vector<double, V::dimension> step = Eigen::Map<const Vector<double, V::dimension>>(delta);
-      const Estimate moved = V::oplus(Packing<Estimate>::template load<double>(x), step);
-      Packing<Estimate>::store(moved, out);
+      retractOne<V>(x, delta, out);
+    }
+  }
+  void retractAll(const Retraction& retraction) const override {
+    if constexpr (V::dimension == Dynamic) {
+      const std::int64_t dimension = retraction.dimension;
+      for (int i = 0; i < retraction.count; ++i) {
+        retract(retraction.from + retraction.records[i], retraction.delta + i * dimension,
+                retraction.to + retraction.records[i], retraction.dimension);
+      }
+    } else {
+      detail::retractAll<V>(retraction);
     }
   }
 
@@ -225,6 +234,14 @@ class EdgeTypeOf final : public EdgeType {
     return static_cast<const E&>(edge).informationStore().dimension();
   }
 
+  std::span<const double> measurement(const Edge& edge) const override {
+    if constexpr (Packable<typename E::Measurement>) {
+      return {static_cast<const E&>(edge).measurementStore().values(),
+              static_cast<std::size_t>(Packing<typename E::Measurement>::size)};
+    } else {
+      return {};
+    }
+  }
   std::span<const double> information(const Edge& edge) const override {
     return static_cast<const E&>(edge).informationStore().values();
   }

@@ -8,6 +8,7 @@ namespace {
 
 using detail::addRecords;
 using detail::loadLanes;
+using detail::storeLanes;
 using detail::storeRecords;
 
 constexpr int width = 8;
@@ -74,6 +75,13 @@ inline L dot(const double* x, const double* y, int rows) {
 }
 
 template <typename L>
+inline void addLanes(const L& value, double* out) {
+  L sum;
+  loadLanes(out, sum);
+  storeLanes(sum + value, out);
+}
+
+template <typename L>
 inline void squareAny(const double* J, const double* residual, int rows, int columns, double* const* out) {
   int at = 0;
   for (int a = 0; a < columns; ++a) {
@@ -99,34 +107,83 @@ inline void crossAny(const double* A, const double* B, int rows, int columnsA, i
   }
 }
 
+/// Sizes as constants: the sums of a row of JᵀJ stay in registers over all groups.
+template <typename L, int N, int D>
+inline void sumFixed(const double* J, const double* residual, int groups, double* sums) {
+  for (int a = 0, at = 0; a < D; at += D - a, ++a) {
+    L products[D];
+    L gradient(0.0);
+    for (int b = a; b < D; ++b) products[b] = L(0.0);
+    for (int g = 0; g < groups; ++g) {
+      const double* const block = J + g * N * D * width;
+      L own[N];
+      for (int k = 0; k < N; ++k) {
+        L r;
+        loadLanes(block + (a * N + k) * width, own[k]);
+        loadLanes(residual + (g * N + k) * width, r);
+        gradient += own[k] * r;
+      }
+      for (int b = a; b < D; ++b) {
+        for (int k = 0; k < N; ++k) {
+          L other;
+          loadLanes(block + (b * N + k) * width, other);
+          products[b] += own[k] * other;
+        }
+      }
+    }
+    for (int b = a; b < D; ++b) addLanes(products[b], sums + (at + b - a) * width);
+    addLanes(gradient, sums + (D * (D + 1) / 2 + a) * width);
+  }
+}
+
+template <typename L>
+inline void sumAny(const double* J, const double* residual, int rows, int columns, int groups, double* sums) {
+  for (int g = 0; g < groups; ++g, J += rows * columns * width, residual += rows * width) {
+    int at = 0;
+    for (int a = 0; a < columns; ++a) {
+      for (int b = a; b < columns; ++b, ++at)
+        addLanes(dot<L>(J + a * rows * width, J + b * rows * width, rows), sums + at * width);
+    }
+    for (int a = 0; a < columns; ++a, ++at) addLanes(dot<L>(J + a * rows * width, residual, rows), sums + at * width);
+  }
+}
+
 /// The kernels of one instruction set. ATTRIBUTE makes each a batch loop of the set.
-#define QUIVER_LANE_PRODUCTS(NAME, ISA, ATTRIBUTE)                                                          \
-  struct NAME {                                                                                             \
-    using L = Lanes<ISA>;                                                                                   \
-    template <int N, int D>                                                                                 \
-    ATTRIBUTE static void square(const double* J, const double* residual, int, int, double* const* out) {   \
-      squareFixed<L, N, D>(J, residual, out);                                                               \
-    }                                                                                                       \
-    template <int N, int Da, int Db>                                                                        \
-    ATTRIBUTE static void cross(const double* A, const double* B, int, int, int, const std::int64_t* flip,  \
-                                double* const* out) {                                                       \
-      crossFixed<L, N, Da, Db>(A, B, flip, out);                                                            \
-    }                                                                                                       \
-    ATTRIBUTE static void squareLoop(const double* J, const double* residual, int rows, int columns,        \
-                                     double* const* out) {                                                  \
-      squareAny<L>(J, residual, rows, columns, out);                                                        \
-    }                                                                                                       \
-    ATTRIBUTE static void crossLoop(const double* A, const double* B, int rows, int columnsA, int columnsB, \
-                                    const std::int64_t* flip, double* const* out) {                         \
-      crossAny<L>(A, B, rows, columnsA, columnsB, flip, out);                                               \
-    }                                                                                                       \
+#define QUIVER_LANE_PRODUCTS(NAME, ISA, ATTRIBUTE)                                                            \
+  struct NAME {                                                                                               \
+    using L = Lanes<ISA>;                                                                                     \
+    template <int N, int D>                                                                                   \
+    ATTRIBUTE static void square(const double* J, const double* residual, int, int, double* const* out) {     \
+      squareFixed<L, N, D>(J, residual, out);                                                                 \
+    }                                                                                                         \
+    template <int N, int Da, int Db>                                                                          \
+    ATTRIBUTE static void cross(const double* A, const double* B, int, int, int, const std::int64_t* flip,    \
+                                double* const* out) {                                                         \
+      crossFixed<L, N, Da, Db>(A, B, flip, out);                                                              \
+    }                                                                                                         \
+    ATTRIBUTE static void squareLoop(const double* J, const double* residual, int rows, int columns,          \
+                                     double* const* out) {                                                    \
+      squareAny<L>(J, residual, rows, columns, out);                                                          \
+    }                                                                                                         \
+    ATTRIBUTE static void crossLoop(const double* A, const double* B, int rows, int columnsA, int columnsB,   \
+                                    const std::int64_t* flip, double* const* out) {                           \
+      crossAny<L>(A, B, rows, columnsA, columnsB, flip, out);                                                 \
+    }                                                                                                         \
+    template <int N, int D>                                                                                   \
+    ATTRIBUTE static void sum(const double* J, const double* residual, int, int, int groups, double* sums) {  \
+      sumFixed<L, N, D>(J, residual, groups, sums);                                                           \
+    }                                                                                                         \
+    ATTRIBUTE static void sumLoop(const double* J, const double* residual, int rows, int columns, int groups, \
+                                  double* sums) {                                                             \
+      sumAny<L>(J, residual, rows, columns, groups, sums);                                                    \
+    }                                                                                                         \
   };
 QUIVER_LANE_PRODUCTS(Avx512Products, isa::Avx512, QUIVER_BATCH_LOOP_AVX512)
 QUIVER_LANE_PRODUCTS(Avx2Products, isa::Avx2, QUIVER_BATCH_LOOP_AVX2)
 QUIVER_LANE_PRODUCTS(GenericProducts, isa::Generic, QUIVER_BATCH_LOOP_GENERIC)
 #undef QUIVER_LANE_PRODUCTS
 
-/// Adding a size to the fast ones is one line in either function.
+/// Adding a size to the fast ones is one line in each function.
 template <typename Set>
 LaneProducts::Square pickSquare(int rows, int columns) {
   const int size = rows * 100 + columns;
@@ -185,6 +242,27 @@ LaneProducts::Cross pickCross(int rows, int columnsA, int columnsB) {
   }
 }
 
+template <typename Set>
+LaneProducts::Sum pickSum(int rows, int columns) {
+  const int size = rows * 100 + columns;
+  switch (size) {
+    case 106:
+      return Set::template sum<1, 6>;
+    case 203:
+      return Set::template sum<2, 3>;
+    case 206:
+      return Set::template sum<2, 6>;
+    case 303:
+      return Set::template sum<3, 3>;
+    case 306:
+      return Set::template sum<3, 6>;
+    case 606:
+      return Set::template sum<6, 6>;
+    default:
+      return Set::sumLoop;
+  }
+}
+
 }  // namespace
 
 LaneProducts::Square LaneProducts::square(InstructionSet set, int rows, int columns) {
@@ -201,6 +279,14 @@ LaneProducts::Cross LaneProducts::cross(InstructionSet set, int rows, int column
   }
   if (set != InstructionSet::generic) return pickCross<Avx2Products>(rows, columnsA, columnsB);
   return pickCross<GenericProducts>(rows, columnsA, columnsB);
+}
+
+LaneProducts::Sum LaneProducts::sum(InstructionSet set, int rows, int columns) {
+  if constexpr (QUIVER_EVERY_INSTRUCTION_SET) {
+    if (set == InstructionSet::avx512) return pickSum<Avx512Products>(rows, columns);
+  }
+  if (set != InstructionSet::generic) return pickSum<Avx2Products>(rows, columns);
+  return pickSum<GenericProducts>(rows, columns);
 }
 
 }  // namespace quiver

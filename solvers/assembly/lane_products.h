@@ -21,9 +21,14 @@ class LaneProducts {
   using Cross = void (*)(const double* A, const double* B, int rows, int columnsA, int columnsB,
                          const std::int64_t* flip, double* const* out);
 
+  /// Adds over all groups, in lanes, the upper triangle of JᵀJ, row by row, then Jᵀr: number k of lane i to
+  /// sums[k · 8 + i]. The blocks of the groups follow each other.
+  using Sum = void (*)(const double* J, const double* residual, int rows, int columns, int groups, double* sums);
+
   /// Kernels for a size on an instruction set that the machine has.
   static Square square(InstructionSet set, int rows, int columns);
   static Cross cross(InstructionSet set, int rows, int columnsA, int columnsB);
+  static Sum sum(InstructionSet set, int rows, int columns);
 
   /// Numbers that `Square` packs for one edge.
   static constexpr int squareSize(int columns) { return columns * (columns + 1) / 2 + columns; }

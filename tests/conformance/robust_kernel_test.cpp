@@ -1,4 +1,5 @@
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -44,6 +45,28 @@ TEST(RobustKernel, DerivativesOfEveryRegisteredKernel) {
   registerRobustKernels(registry);
   ASSERT_EQ(registry.robustKernels().size(), 11u);
   for (const RobustKernelType* type : registry.robustKernels()) expectConsistent(RobustKernel(*type, width));
+}
+
+TEST(RobustKernel, ManyAtOnceAreTheSameBits) {
+  Registry registry;
+  registerRobustKernels(registry);
+  std::vector<double> errors{0.0};
+  for (const double e : samples) errors.insert(errors.end(), {e, e * width, width});
+  for (const RobustKernelType* type : registry.robustKernels()) {
+    ASSERT_NE(type->evaluateAll, nullptr) << type->name;
+    for (const double w : {width, 1e-3, 1e100}) {
+      const RobustKernel kernel(*type, w);
+      std::vector<double> rho(errors.size()), weight(errors.size()), second(errors.size());
+      kernel.evaluate(errors, {rho.data(), weight.data(), second.data()});
+      for (std::size_t i = 0; i < errors.size(); ++i) {
+        const RobustValue value = kernel.evaluate(errors[i]);
+        EXPECT_EQ(rho[i], value.rho) << type->name << " at " << errors[i];
+        EXPECT_EQ(weight[i], value.weight) << type->name << " at " << errors[i];
+        EXPECT_TRUE(second[i] == value.second || (std::isnan(second[i]) && std::isnan(value.second)))
+            << type->name << " at " << errors[i];
+      }
+    }
+  }
 }
 
 TEST(RobustKernel, DerivativesOfBarronForManyShapes) {

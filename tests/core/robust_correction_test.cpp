@@ -7,7 +7,7 @@
 
 #include <quiver/core/algorithm/optimizer.h>
 #include <quiver/core/graph/robust_kernels.h>
-#include <quiver/core/problem/square_root.h>
+#include <quiver/core/problem/apply_kernels.h>
 #include <quiver/core/util/error.h>
 
 #include "ring_graph.h"
@@ -125,8 +125,9 @@ std::vector<Linear> corrected(const std::vector<Linear>& edges, const RobustKern
       }
     }
   }
-  const std::vector<RobustKernel> all(count, kernel);
-  detail::applyKernels(panel, all, ids, rows, columns, correction);
+  detail::BatchKernels kernels;
+  kernels.collect(count, [&](int) { return kernel; });
+  detail::applyKernels(panel, kernels, ids, rows, columns, correction);
   std::vector<Linear> result(count);
   for (int i = 0; i < count; ++i) {
     Linear& edge = result[static_cast<std::size_t>(i)];

@@ -8,6 +8,7 @@ namespace quiver {
 /// Tangent: that of VertexSE3.
 class VertexSE3Expmap : public BaseVertex<VertexSE3Expmap, 6, SE3<double>> {
  public:
+  static constexpr bool lanes = true;
   static constexpr std::array tangent = VertexSE3::tangent;
 
   template <typename S>
