@@ -1,45 +1,123 @@
 #include <quiver/solvers/cholesky/panel.h>
 
 #include <algorithm>
-#include <utility>
+#include <array>
+#include <atomic>
+#include <thread>
 
 #include <quiver/core/util/parallel.h>
 
 namespace quiver::detail {
 namespace {
 
-/// Rows that one task finishes.
-constexpr int taskRows = 96;
+/// Rows of a strip where threads share the work: whole register tiles, and whole chunks of columns.
+constexpr int stripRows = 2 * chunkColumns;
+constexpr int mostStrips = 64;
+/// Columns whose products are subtracted together.
+constexpr int depthColumns = 96;
+
+/// Left-looking Cholesky by tiles: chunks of columns by strips of rows. A tile subtracts the products of all chunks to
+/// its left at once, then is divided by the diagonal of its chunk. Tiles are taken in the order of chunks, the diagonal
+/// first, and wait for the tiles they read, all of which were taken before; so while one thread factors a diagonal,
+/// others are at the products of the next tiles.
+class TiledFactor {
+ public:
+  TiledFactor(const KernelTable& kernels, const Panel& panel, int threads, const StopCondition& stop)
+      : kernels_(kernels), panel_(panel), stop_(stop), threads_(threads), height_(panel.rows) {
+    if (threads_ > 1)
+      height_ = stripRows * std::max(1, (panel.rows + stripRows * mostStrips - 1) / (stripRows * mostStrips));
+    strips_ = (panel.rows + height_ - 1) / height_;
+  }
+
+  PanelFailure run() {
+    int tasks = 0;
+    for (int chunk = 0; chunk < chunks(); ++chunk) tasks += tasksOf(chunk);
+    parallelForWorkers(tasks, threads_, threads_, [this](std::int64_t task, int) {
+      int chunk = 0;
+      auto left = static_cast<int>(task);
+      while (left >= tasksOf(chunk)) left -= tasksOf(chunk++);
+      if (left == 0) {
+        factorDiagonal(chunk);
+      } else {
+        finishTile(chunk, below(chunk) / height_ + left - 1);
+      }
+    });
+    return failure_;
+  }
+
+ private:
+  int chunks() const { return (panel_.columns + chunkColumns - 1) / chunkColumns; }
+  static int begin(int chunk) { return chunk * chunkColumns; }
+  int width(int chunk) const { return std::min(chunkColumns, panel_.columns - begin(chunk)); }
+  /// The first row below the diagonal block of a chunk.
+  int below(int chunk) const { return begin(chunk) + (width(chunk) + 7) / 8 * 8; }
+  int tasksOf(int chunk) const { return below(chunk) < panel_.rows ? 1 + strips_ - below(chunk) / height_ : 1; }
+
+  /// False if the factorisation has ended meanwhile.
+  bool wait(const std::atomic<int>& finished, int chunks) const {
+    constexpr int patience = 2000;
+    for (int looks = 0; finished.load(std::memory_order_acquire) < chunks; ++looks) {
+      if (ended_.load(std::memory_order_acquire)) return false;
+      if (looks > patience) std::this_thread::yield();
+    }
+    return !ended_.load(std::memory_order_acquire);
+  }
+
+  void subtractProducts(int chunk, int firstRow, int lastRow) const {
+    for (int k = 0; k < begin(chunk); k += depthColumns) {
+      kernels_.updatePanel(panel_.values, panel_.stride, k, std::min(depthColumns, begin(chunk) - k), begin(chunk),
+                           begin(chunk) + width(chunk), firstRow, lastRow);
+    }
+  }
+
+  void factorDiagonal(int chunk) {
+    // The strip that holds its rows.
+    if (!wait(finished_[static_cast<std::size_t>(begin(chunk) / height_)], chunk)) return;
+    PanelFailure failure;
+    failure.stopped = chunk > 0 && stop_.reached();
+    if (!failure.stopped) {
+      subtractProducts(chunk, begin(chunk), below(chunk));
+      failure.column = kernels_.factorDiagonal(panel_.values, panel_.stride, begin(chunk), width(chunk), panel_.inverse,
+                                               &failure.pivot);
+      if (failure.column >= 0) failure.column += begin(chunk);
+    }
+    if (failure.stopped || failure.column >= 0) {
+      failure_ = failure;
+      ended_.store(true, std::memory_order_release);
+      return;
+    }
+    diagonals_.store(chunk + 1, std::memory_order_release);
+  }
+
+  void finishTile(int chunk, int strip) {
+    const auto at = static_cast<std::size_t>(strip);
+    const int first = std::max(below(chunk), strip * height_);
+    const int last = std::min(panel_.rows, (strip + 1) * height_);
+    if (!wait(finished_[at], chunk)) return;
+    if (!wait(finished_[static_cast<std::size_t>(begin(chunk) / height_)], chunk)) return;
+    subtractProducts(chunk, first, last);
+    if (!wait(diagonals_, chunk + 1)) return;
+    kernels_.solveRows(panel_.values, panel_.stride, begin(chunk), width(chunk), first, last, panel_.inverse);
+    finished_[at].store(chunk + 1, std::memory_order_release);
+  }
+
+  const KernelTable& kernels_;
+  const Panel& panel_;
+  const StopCondition& stop_;
+  int threads_;
+  int height_;
+  int strips_;
+  /// Chunks whose diagonal is factored, and of each strip the chunks whose tile is finished.
+  std::atomic<int> diagonals_{0};
+  std::array<std::atomic<int>, mostStrips> finished_{};
+  std::atomic<bool> ended_{false};
+  PanelFailure failure_;
+};
 
 }  // namespace
 
 PanelFailure factorPanel(const KernelTable& kernels, const Panel& panel, int threads, const StopCondition& stop) {
-  for (int begin = 0; begin < panel.columns; begin += chunkColumns) {
-    if (begin > 0 && stop.reached()) return {.stopped = true};
-    const int width = std::min(chunkColumns, panel.columns - begin);
-    PanelFailure failure;
-    failure.column = kernels.factorDiagonal(panel.values, panel.stride, begin, width, panel.inverse, &failure.pivot);
-    if (failure.column >= 0) return {begin + failure.column, failure.pivot, false};
-    const int below = begin + (width + 7) / 8 * 8;
-    const int left = panel.rows - below;
-    const int parts = threads <= 1 ? 1 : std::max(1, (left + taskRows - 1) / taskRows);
-    const int partRows = parts == 1 ? left : taskRows;
-    const auto rowsOf = [&](std::int64_t part) {
-      const int first = below + static_cast<int>(part) * partRows;
-      return std::pair{first, std::min(first + partRows, panel.rows)};
-    };
-    parallelFor(parts, threads, [&](std::int64_t part) {
-      const auto [first, last] = rowsOf(part);
-      kernels.solveRows(panel.values, panel.stride, begin, width, first, last, panel.inverse);
-    });
-    if (begin + width >= panel.columns) break;
-    // The last rows have the most columns: they go first.
-    parallelFor(parts, threads, [&](std::int64_t part) {
-      const auto [first, last] = rowsOf(parts - 1 - part);
-      kernels.updatePanel(panel.values, panel.stride, begin, width, begin + width, panel.columns, first, last);
-    });
-  }
-  return {};
+  return TiledFactor(kernels, panel, threads, stop).run();
 }
 
 }  // namespace quiver::detail
