@@ -127,8 +127,9 @@ Json describePlan(Graph graph, int threads) {
   Options options;
   options.maxIterations = 0;
   options.threads = threads;
-  const InitialGuess guess = makeInitialGuess(graph, "auto", options);
-  const Summary summary = optimize(graph, options);
+  Optimizer optimizer(options);
+  const InitialGuess guess = makeInitialGuess(graph, "auto", optimizer);
+  const Summary& summary = optimizer.optimize(graph);
   const SolvePlan& plan = summary.plan;
   return {{"initial_guess", guess.name},
           {"initial_guess_reason", guess.reason},

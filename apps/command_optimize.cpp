@@ -1,5 +1,4 @@
-#include <cmath>
-#include <limits>
+#include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
@@ -20,7 +19,6 @@
 #include <quiver/apps/support/output.h>
 #include <quiver/apps/support/standard_streams.h>
 #include <quiver/core/algorithm/optimizer.h>
-#include <quiver/core/problem/problem.h>
 #include <quiver/core/util/stopwatch.h>
 
 namespace quiver::app {
@@ -115,18 +113,14 @@ class Run {
     options.timeLimit = std::max(0.0, flags_.timeLimit - whole_.seconds());
     longWork_.tell(fmt::format("initial guess for {} vertices and {} edges", graph.vertexCount(), graph.edgeCount()));
     Stopwatch watch;
-    const bool complete = verticesWithoutEstimate(graph) == 0;
-    report_.fileChi2 = std::numeric_limits<double>::quiet_NaN();
-    if (complete && flags_.init != "file") {
-      Problem problem(graph, {.level = options.level, .free = {}, .threads = std::max(options.threads, 1)});
-      report_.fileChi2 = problem.evaluate(problem.state()).chi2;
-    }
-    report_.guess = makeInitialGuess(graph, flags_.init, options);
+    Optimizer optimizer(options);
+    report_.guess = makeInitialGuess(graph, flags_.init, optimizer);
+    report_.fileChi2 = report_.guess.fileChi2;
     report_.initializeSeconds = watch.seconds();
     if (report_.guess.name != "file")
       say(fmt::format("initial guess {}: {}", report_.guess.name, report_.guess.reason));
-    options.timeLimit = std::max(0.0, flags_.timeLimit - whole_.seconds());
-    report_.summary = optimize(graph, options);
+    optimizer.options().timeLimit = std::max(0.0, flags_.timeLimit - whole_.seconds());
+    report_.summary = optimizer.optimize(graph);
     if (report_.guess.name == "file") report_.fileChi2 = report_.summary.initialChi2;
     progress.finish(report_.summary);
   }

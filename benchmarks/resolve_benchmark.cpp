@@ -51,7 +51,7 @@ Call call(Optimizer& optimizer, Graph& graph) {
   Call result;
   const long before = allocations;
   const long bytesBefore = allocatedBytes;
-  const Summary summary = optimizer.optimize(graph);
+  const Summary& summary = optimizer.optimize(graph);
   result.allocations = allocations - before;
   result.bytes = allocatedBytes - bytesBefore;
   result.seconds = summary.seconds.total;

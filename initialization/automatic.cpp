@@ -5,10 +5,12 @@
 
 #include <fmt/format.h>
 
+#include <quiver/core/algorithm/memory_estimate.h>
+#include <quiver/core/algorithm/optimizer.h>
 #include <quiver/core/problem/problem.h>
 #include <quiver/core/util/error.h>
-#include <quiver/core/util/parallel.h>
 #include <quiver/initialization/chordal.h>
+#include <quiver/initialization/pose_graph.h>
 #include <quiver/initialization/spanning_tree.h>
 
 namespace quiver {
@@ -62,16 +64,23 @@ class Estimates {
 }  // namespace
 
 AutomaticStart automaticStart(Graph& graph, const Options& options) {
+  Optimizer optimizer(options);
+  return automaticStart(graph, optimizer);
+}
+
+AutomaticStart automaticStart(Graph& graph, Optimizer& optimizer) {
+  const Options& options = optimizer.options();
   bool complete = true;
   std::as_const(graph).forEachVertex([&](const Vertex& vertex) { complete = complete && vertex.hasEstimate(); });
   AutomaticStart start{complete ? "file" : "tree",
                        complete ? "the file's estimates" : spanningTreeEstimate(graph, options)};
   // Landmarks whose estimates were given must not be lost to a start that cannot tell them; free subsets start where
   // they are.
-  if (!options.free.empty()) return start;
-  const int threads = options.threads > 0 ? options.threads : hardwareThreads();
-  Problem problem(graph, {options.level, options.free, threads});
-  const double before = chi2Of(problem);
+  if (!options.free.empty() || !hasRelativePoses(graph, options)) return start;
+  // What would not fit is refused by the solve.
+  if (options.memoryLimit > 0 && estimateCompilation(graph, options) > options.memoryLimit) return start;
+  Problem& problem = optimizer.compile(graph);
+  const double before = start.firstChi2 = chi2Of(problem);
   if (const std::int64_t redundant = redundancy(problem); before <= static_cast<double>(redundant)) {
     start.reason += fmt::format(": chi2 {:.6g} is within the noise of {} redundant measurements", before, redundant);
     return start;
@@ -82,7 +91,8 @@ AutomaticStart automaticStart(Graph& graph, const Options& options) {
     problem.refresh();
     const double after = chi2Of(problem);
     if (after < before) {
-      return {"chordal", fmt::format("{}: chi2 {:.6g}, lower than {:.6g} of {}", chordal, after, before, start.reason)};
+      return {"chordal", fmt::format("{}: chi2 {:.6g}, lower than {:.6g} of {}", chordal, after, before, start.reason),
+              before};
     }
   } catch (const GraphError&) {
     // No chordal start for this graph: not an error, the other one stands.

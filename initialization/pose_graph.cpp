@@ -139,6 +139,23 @@ void numberComponents(PoseGraph<D>& poses) {
 
 }  // namespace
 
+bool hasRelativePoses(const Graph& graph, const Options& options) {
+  const Registry& registry = *graph.registry();
+  std::vector<char> relative;
+  for (const auto& type : registry.edgeTypes()) {
+    const VertexType* first = registry.findVertexTypeByName(type->vertexTypeName(0));
+    const VertexType* second = registry.findVertexTypeByName(type->vertexTypeName(1));
+    relative.push_back(type->arity() == 2 && first && second && first->poseKind() != PoseKind::none &&
+                       first->poseKind() == second->poseKind());
+  }
+  bool found = false;
+  graph.forEachEdge([&](const Edge& edge) {
+    found = found || (relative[static_cast<std::size_t>(edge.type())] != 0 &&
+                      (options.level < 0 || edge.level() == options.level));
+  });
+  return found;
+}
+
 template <int D>
 PoseGraph<D> readPoseGraph(Graph& graph, const Options& options) {
   using Pose = typename PoseOf<D>::Pose;

@@ -37,6 +37,10 @@ struct PoseGraph {
   int components = 0;
 };
 
+/// Whether readPoseGraph could find a relative pose in the plane or in space, judged by the types of edges and vertices
+/// alone. O(edges).
+bool hasRelativePoses(const Graph& graph, const Options& options);
+
 /// Reads every binary edge between two poses of kind D whose type can propagate a pose and does so as X_to = X_from ·
 /// Z, whatever Z depends on. Edges of `options.level` take part. Fixed vertices are held, and in each component without
 /// any the first pose is.

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <quiver/apps/support/outcome.h>
+#include <quiver/core/problem/problem.h>
 #include <quiver/initialization/automatic.h>
 
 namespace quiver::app {
@@ -48,20 +49,28 @@ void checkInitialGuess(const std::string& name, const Registry& registry) {
                                near.empty() ? "" : fmt::format(", did you mean '{}'", near), fmt::join(names, ", ")));
 }
 
-InitialGuess makeInitialGuess(Graph& graph, const std::string& name, const Options& options) {
+InitialGuess makeInitialGuess(Graph& graph, const std::string& name, Optimizer& optimizer) {
   if (name == "file") {
     refuseMissing(graph, "use --init tree, or let --init auto choose");
     return {"file", "as asked"};
   }
   if (name == "auto") {
-    AutomaticStart start = automaticStart(graph, options);
-    return {std::move(start.name), std::move(start.reason)};
+    const bool complete = verticesWithoutEstimate(graph) == 0;
+    AutomaticStart start = automaticStart(graph, optimizer);
+    InitialGuess guess{std::move(start.name), std::move(start.reason)};
+    if (complete && guess.name != "file") guess.fileChi2 = start.firstChi2;
+    return guess;
   }
   const Initializer* initializer = graph.registry()->findInitializer(name);
   if (!initializer) throw GraphError(fmt::format("the registry has no initialiser '{}'", name));
-  std::string reason = (*initializer)(graph, options);
+  InitialGuess guess{name, ""};
+  if (verticesWithoutEstimate(graph) == 0) {
+    Problem& problem = optimizer.compile(graph);
+    guess.fileChi2 = problem.evaluate(problem.state()).chi2;
+  }
+  guess.reason = (*initializer)(graph, optimizer.options());
   refuseMissing(graph, fmt::format("the initial guess '{}' does not tell it", name));
-  return {name, std::move(reason)};
+  return guess;
 }
 
 }  // namespace quiver::app

@@ -9,15 +9,34 @@
 #include <quiver/core/util/lane_sums.h>
 
 namespace quiver {
+namespace {
+
+/// A formatted sentence that needs no heap unless it is long.
+class ShortText {
+ public:
+  template <typename... Arguments>
+  explicit ShortText(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
+  }
+  operator std::string_view() const { return {text_.data(), text_.size()}; }
+
+ private:
+  fmt::memory_buffer text_;
+};
+
+}  // namespace
 
 Descent::Descent(Problem& problem, LinearSystem& system, const Options& options, const StopCondition& stop,
-                 Summary& summary)
-    : problem_(problem),
-      system_(system),
-      options_(options),
-      stop_(stop),
-      summary_(summary),
-      delta_(static_cast<std::size_t>(problem.scalars()), 0.0) {}
+                 DescentMemory& memory, Summary& summary)
+    : problem_(problem), system_(system), options_(options), stop_(stop), memory_(memory), summary_(summary) {
+  memory_.delta.assign(static_cast<std::size_t>(problem.scalars()), 0.0);
+}
+
+std::vector<double>& Descent::scratch(int number) {
+  std::vector<double>& numbers = memory_.scratch[static_cast<std::size_t>(number)];
+  numbers.assign(memory_.delta.size(), 0.0);
+  return numbers;
+}
 
 std::string Descent::describeBadEdge(const CostTotals& totals) const {
   const Edge& edge = problem_.batch(totals.badBatch).edge(totals.badEdge);
@@ -57,13 +76,13 @@ bool Descent::exhausted() {
       return true;
     case StopCondition::Reason::timeLimit:
       finish(Status::timeLimit,
-             fmt::format("the time limit of {} s is reached; the best estimate so far is kept", options_.timeLimit));
+             ShortText("the time limit of {} s is reached; the best estimate so far is kept", options_.timeLimit));
       return true;
     case StopCondition::Reason::none:
       break;
   }
   if (static_cast<int>(summary_.iterations.size()) >= options_.maxIterations) {
-    finish(Status::iterationLimit, fmt::format("{} trial steps are used up", options_.maxIterations));
+    finish(Status::iterationLimit, ShortText("{} trial steps are used up", options_.maxIterations));
     return true;
   }
   return false;
@@ -72,8 +91,9 @@ bool Descent::exhausted() {
 CostTotals Descent::tryStep() {
   Stopwatch watch;
   report_.gradient = gradientNorm();
-  problem_.retract(delta_);
-  const double square = sumInLanes(delta_.size(), [&](std::size_t i) { return delta_[i] * delta_[i]; });
+  problem_.retract(memory_.delta);
+  const double square =
+      sumInLanes(memory_.delta.size(), [&](std::size_t i) { return memory_.delta[i] * memory_.delta[i]; });
   relativeStep_ = std::sqrt(square) / (problem_.stateNorm() + 1e-10);
   report_.seconds.update += watch.lap();
   // After a rejected step the next one is likely to be rejected too: then the cost alone is computed.
@@ -127,28 +147,33 @@ void Descent::emitReport(bool accepted) {
 bool Descent::stopRuleMet(double costBefore) {
   const double change = std::abs(costBefore - totals_.cost);
   if (change <= options_.costTolerance * std::abs(totals_.cost) || totals_.cost == 0.0) {
-    finish(Status::converged, fmt::format("the cost changed by {:.2e} of itself, at most {:.0e} is asked",
-                                          change / std::max(totals_.cost, 1e-300), options_.costTolerance));
+    finish(Status::converged, ShortText("the cost changed by {:.2e} of itself, at most {:.0e} is asked",
+                                        change / std::max(totals_.cost, 1e-300), options_.costTolerance));
     return true;
   }
   const double gradient = gradientNorm() / std::max(1.0, firstGradient_);
   if (gradient <= options_.gradientTolerance) {
-    finish(Status::converged, fmt::format("the gradient is {:.2e} of the first, at most {:.0e} is asked", gradient,
-                                          options_.gradientTolerance));
+    finish(Status::converged, ShortText("the gradient is {:.2e} of the first, at most {:.0e} is asked", gradient,
+                                        options_.gradientTolerance));
     return true;
   }
   if (relativeStep_ <= options_.stepTolerance) {
-    finish(Status::converged, fmt::format("the step is {:.2e} of the estimate, at most {:.0e} is asked", relativeStep_,
-                                          options_.stepTolerance));
+    finish(Status::converged, ShortText("the step is {:.2e} of the estimate, at most {:.0e} is asked", relativeStep_,
+                                        options_.stepTolerance));
     return true;
   }
   return false;
 }
 
-void Descent::finish(Status status, std::string reason) {
+void Descent::finish(Status status, std::string_view reason) {
   summary_.status = status;
-  summary_.reason = std::move(reason);
+  summary_.reason = reason;
   ended_ = true;
+}
+
+void Descent::finishWithoutProspect(double predicted) {
+  finish(Status::converged,
+         ShortText("no step can lower the cost by more than {:.2e} of itself", predicted / totals_.cost));
 }
 
 void Descent::fail(const LinearOutcome& outcome) {

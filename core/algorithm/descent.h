@@ -1,6 +1,7 @@
 #pragma once
 
-#include <string>
+#include <array>
+#include <string_view>
 #include <vector>
 
 #include <quiver/core/algorithm/linear_system.h>
@@ -12,12 +13,19 @@
 
 namespace quiver {
 
+/// Vectors of a descent, kept for the next one of the same problem.
+struct DescentMemory {
+  std::vector<double> delta;
+  std::array<std::vector<double>, 5> scratch;
+};
+
 /// What Gauss–Newton, Levenberg–Marquardt and dogleg share: the state of a descent, its stopping rules, its report.
 ///
 /// The problem's state is always the estimate kept; the best one met is restored at the end.
 class Descent {
  public:
-  Descent(Problem& problem, LinearSystem& system, const Options& options, const StopCondition& stop, Summary& summary);
+  Descent(Problem& problem, LinearSystem& system, const Options& options, const StopCondition& stop,
+          DescentMemory& memory, Summary& summary);
 
   /// Linearises at the start. False if that is not possible: the status is set.
   bool begin();
@@ -31,7 +39,9 @@ class Descent {
   /// Reports a rejected trial.
   void reject();
   /// Ends with a status.
-  void finish(Status status, std::string reason);
+  void finish(Status status, std::string_view reason);
+  /// Ends since the best step lowers the cost by so little.
+  void finishWithoutProspect(double predicted);
   /// Ends because a linear system could not be solved, in words that name the vertex.
   void fail(const LinearOutcome& outcome);
   /// Goes on from the best estimate met, linearised again, if the present one is worse.
@@ -43,7 +53,9 @@ class Descent {
   LinearSystem& system() { return system_; }
   const CostTotals& totals() const { return totals_; }
   double bestCost() const { return bestCost_; }
-  std::vector<double>& delta() { return delta_; }
+  std::vector<double>& delta() { return memory_.delta; }
+  /// Vector 0 … 4 of an algorithm's own, zeros, as long as delta.
+  std::vector<double>& scratch(int number);
   const Options& options() const { return options_; }
   const StopCondition& stop() const { return stop_; }
   void setDamping(double damping) { report_.damping = damping; }
@@ -60,6 +72,7 @@ class Descent {
   LinearSystem& system_;
   const Options& options_;
   const StopCondition& stop_;
+  DescentMemory& memory_;
   Summary& summary_;
   CostTotals totals_;
   double bestCost_ = 0.0;
@@ -67,7 +80,6 @@ class Descent {
   bool rejected_ = false;
   double firstGradient_ = 0.0;
   double relativeStep_ = 0.0;
-  std::vector<double> delta_;
   IterationReport report_;
   Stopwatch watch_;
   bool ended_ = false;

@@ -2,8 +2,6 @@
 #include <cmath>
 #include <limits>
 
-#include <fmt/format.h>
-
 #include <quiver/core/algorithm/descent.h>
 
 namespace quiver {
@@ -31,7 +29,12 @@ double dot(std::span<const double> a, std::span<const double> b) {
 /// common unit.
 class DoglegPath {
  public:
-  explicit DoglegPath(std::size_t size) : scale_(size), cauchy_(size), full_(size), product_(size) {}
+  explicit DoglegPath(Descent& descent)
+      : scale_(descent.scratch(0)),
+        cauchy_(descent.scratch(1)),
+        full_(descent.scratch(2)),
+        product_(descent.scratch(3)),
+        damping_(descent.scratch(4)) {}
 
   /// Computes both steps; factors once, again only where H is not positive definite.
   LinearOutcome compute(Descent& descent) {
@@ -89,13 +92,11 @@ class DoglegPath {
   }
 
   LinearOutcome solveFull(Descent& descent) {
-    std::vector<double> damping;
     used_ = regularization_;
     while (true) {
-      if (used_ > 0.0) {
-        damping.resize(scale_.size());
-        for (std::size_t i = 0; i < scale_.size(); ++i) damping[i] = used_ * scale_[i];
-      }
+      for (std::size_t i = 0; i < scale_.size(); ++i) damping_[i] = used_ * scale_[i];
+      const std::span<const double> damping =
+          used_ > 0.0 ? std::span<const double>(damping_) : std::span<const double>();
       const LinearOutcome outcome = descent.system().solve(damping, full_, descent.stop());
       const bool indefinite =
           outcome.kind == LinearOutcome::Kind::notPositiveDefinite || outcome.kind == LinearOutcome::Kind::notConverged;
@@ -108,10 +109,11 @@ class DoglegPath {
     }
   }
 
-  std::vector<double> scale_;
-  std::vector<double> cauchy_;
-  std::vector<double> full_;
-  std::vector<double> product_;
+  std::vector<double>& scale_;
+  std::vector<double>& cauchy_;
+  std::vector<double>& full_;
+  std::vector<double>& product_;
+  std::vector<double>& damping_;
   double cauchyNorm_ = 0.0;
   double fullNorm_ = 0.0;
   double regularization_ = 0.0;
@@ -122,7 +124,7 @@ class DoglegPath {
 
 void dogleg(Descent& descent) {
   std::vector<double>& delta = descent.delta();
-  DoglegPath path(delta.size());
+  DoglegPath path(descent);
   double radius = std::numeric_limits<double>::infinity();  // the first full step is tried
   while (!descent.exhausted()) {
     const LinearOutcome outcome = path.compute(descent);
@@ -149,10 +151,8 @@ void dogleg(Descent& descent) {
       }
       descent.reject();
       // A promise made small by the radius alone proves nothing: only that of the full step counts.
-      if (whole && predicted > 0.0 && predicted <= descent.options().costTolerance * descent.totals().cost) {
-        return descent.finish(Status::converged, fmt::format("no step can lower the cost by more than {:.2e} of itself",
-                                                             predicted / descent.totals().cost));
-      }
+      if (whole && predicted > 0.0 && predicted <= descent.options().costTolerance * descent.totals().cost)
+        return descent.finishWithoutProspect(predicted);
       if (radius <= leastRadius * path.fullNorm()) {
         return descent.finish(
             Status::stalled,

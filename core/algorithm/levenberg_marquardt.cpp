@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include <quiver/core/algorithm/descent.h>
 #include <quiver/core/util/lane_sums.h>
 
@@ -43,7 +41,7 @@ class Damping {
 void levenbergMarquardt(Descent& descent) {
   LinearSystem& system = descent.system();
   std::vector<double>& delta = descent.delta();
-  std::vector<double> scaled(delta.size());
+  std::vector<double>& scaled = descent.scratch(0);
   Damping damping(descent.options().initialDamping);
   int failures = 0;
   while (!descent.exhausted()) {
@@ -77,10 +75,8 @@ void levenbergMarquardt(Descent& descent) {
     }
     descent.reject();
     // A promise made small by damping alone proves nothing: only the first trial from an estimate counts.
-    if (failures++ == 0 && predicted > 0.0 && predicted <= descent.options().costTolerance * descent.totals().cost) {
-      return descent.finish(Status::converged, fmt::format("no step can lower the cost by more than {:.2e} of itself",
-                                                           predicted / descent.totals().cost));
-    }
+    if (failures++ == 0 && predicted > 0.0 && predicted <= descent.options().costTolerance * descent.totals().cost)
+      return descent.finishWithoutProspect(predicted);
     damping.fail();
     if (damping.hopeless()) {
       if (!outcome.ok()) return descent.fail(outcome);

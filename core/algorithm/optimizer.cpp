@@ -66,17 +66,19 @@ void settleGauge(Problem& problem, const Options& options, Algorithm algorithm, 
   if (!anchors.empty()) problem.fixVariables(anchors);
 }
 
+int threadsOf(const Options& options) { return options.threads > 0 ? options.threads : hardwareThreads(); }
+
 void announce(const Options& options, std::string_view phase) {
   if (options.phase) options.phase(phase);
 }
 
 /// Ends before the first linearisation.
-void reportUnmoved(Problem& problem, Status status, std::string reason, Summary& summary) {
+void reportUnmoved(Problem& problem, Status status, std::string_view reason, Summary& summary) {
   const CostTotals totals = problem.evaluate(problem.state());
   summary.initialChi2 = summary.finalChi2 = totals.chi2;
   summary.initialCost = summary.finalCost = totals.cost;
   summary.status = status;
-  summary.reason = std::move(reason);
+  summary.reason = reason;
 }
 
 std::string describeExcess(std::int64_t bytes, const Options& options) {
@@ -143,28 +145,38 @@ struct Optimizer::Compiled {
   /// Asked whether it eliminates, not analysed yet.
   std::unique_ptr<LinearSystem> asked;
   GaugeReport gauge;
+  DescentMemory memory;
+  Summary summary;
+  bool settled = false;
   bool reused = false;
 
-  /// The problem and its gauge, anew unless the graph has the structure of the last call.
-  void prepare(Graph& graph, const Options& options, Algorithm algorithm, int threads, bool again) {
+  /// The problem, anew unless the graph has the structure of the last call.
+  void compile(Graph& graph, const Options& options, bool again) {
+    const int threads = threadsOf(options);
     StructureKey newKey;
     if (again) newKey = StructureKey(graph, options, threads);
-    reused = problem && newKey == key;
-    if (reused) return problem->refresh();
+    if (problem && newKey == key) return problem->refresh();
     system.reset();
     asked.reset();
     problem.reset();
     gauge = {};
+    settled = false;
     announce(options, "compiling the problem");
     problem = std::make_unique<Problem>(graph, ProblemScope{options.level, options.free, threads});
-    if (problem->variables() > 0) {
-      // Eliminating or robust kernels make the algorithm a damped one, which leaves the gauge free.
-      asked = makeSystem(*graph.registry(), options);
-      const bool damped =
-          algorithm == Algorithm::automatic && (hasRobustKernel(*problem) || asked->eliminates(*problem, options));
-      settleGauge(*problem, options, damped ? Algorithm::levenbergMarquardt : algorithm, gauge);
-    }
     key = std::move(newKey);
+  }
+
+  /// The gauge of a problem just compiled.
+  void settle(const Options& options, Algorithm algorithm) {
+    reused = settled;
+    if (settled) return;
+    settled = true;
+    if (problem->variables() == 0) return;
+    // Eliminating or robust kernels make the algorithm a damped one, which leaves the gauge free.
+    asked = makeSystem(*problem->graph().registry(), options);
+    const bool damped =
+        algorithm == Algorithm::automatic && (hasRobustKernel(*problem) || asked->eliminates(*problem, options));
+    settleGauge(*problem, options, damped ? Algorithm::levenbergMarquardt : algorithm, gauge);
   }
 };
 
@@ -175,14 +187,21 @@ Optimizer& Optimizer::operator=(Optimizer&&) noexcept = default;
 bool Optimizer::reused() const { return compiled_->reused; }
 Options& Optimizer::options() { return options_; }
 
-Summary Optimizer::run(Graph& graph, bool again) {
+Problem& Optimizer::compile(Graph& graph) {
+  options_.validate();
+  compiled_->compile(graph, options_, true);
+  return *compiled_->problem;
+}
+
+Summary& Optimizer::run(Graph& graph, bool again) {
   options_.validate();
   const Algorithm algorithm = algorithmOf(options_);
   Stopwatch watch;
   const Stopwatch whole;
   const StopCondition stop(options_.timeLimit, options_.stopToken);
-  Summary summary;
-  summary.threads = options_.threads > 0 ? options_.threads : hardwareThreads();
+  Summary& summary = compiled_->summary;
+  summary.clear();
+  summary.threads = threadsOf(options_);
   if (const std::int64_t bytes = options_.memoryLimit > 0 ? estimateCompilation(graph, options_) : 0;
       bytes > options_.memoryLimit) {
     summary.status = Status::memoryLimit;
@@ -191,7 +210,8 @@ Summary Optimizer::run(Graph& graph, bool again) {
     summary.initialCost = summary.finalCost = std::numeric_limits<double>::quiet_NaN();
     return summary;
   }
-  compiled_->prepare(graph, options_, algorithm, summary.threads, again);
+  compiled_->compile(graph, options_, again);
+  compiled_->settle(options_, algorithm);
   Problem& problem = *compiled_->problem;
   const bool large = problem.edges() > largeProblem;
   if (large && !compiled_->reused) returnFreeMemory();
@@ -226,7 +246,7 @@ Summary Optimizer::run(Graph& graph, bool again) {
     const Algorithm chosen = chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
     summary.seconds.analyze = watch.lap();
     announce(options_, "optimising");
-    Descent descent(problem, *compiled_->system, options_, stop, summary);
+    Descent descent(problem, *compiled_->system, options_, stop, compiled_->memory, summary);
     descend(descent, chosen, summary.plan);
     summary.plan.singular = compiled_->system->plan().singular;
     problem.store();
@@ -236,6 +256,6 @@ Summary Optimizer::run(Graph& graph, bool again) {
   return summary;
 }
 
-Summary optimize(Graph& graph, const Options& options) { return Optimizer(options).run(graph, false); }
+Summary optimize(Graph& graph, const Options& options) { return std::move(Optimizer(options).run(graph, false)); }
 
 }  // namespace quiver

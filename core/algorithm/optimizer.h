@@ -8,6 +8,8 @@
 
 namespace quiver {
 
+class Problem;
+
 /// Moves the estimates of a graph's free vertices to a minimum of its cost Σ ρ(eᵀΩe), starting from the estimates it
 /// has.
 ///
@@ -21,9 +23,9 @@ namespace quiver {
 /// memory.
 ///
 /// A call whose graph has the structure of the last one (the same elements, levels and fixed directions; estimates,
-/// measurements, information, kernels and parameter values may differ) starts iterating at once and allocates nothing
-/// of the size of the problem. Otherwise it compiles anew. The graph must outlive the optimizer's next call. Not thread
-/// safe.
+/// measurements, information, kernels and parameter values may differ) starts iterating at once and allocates nothing,
+/// once a call has met what it needs. Otherwise it compiles anew. The graph must outlive the optimizer's next call. Not
+/// thread safe.
 class Optimizer {
  public:
   explicit Optimizer(Options options = {});
@@ -31,8 +33,13 @@ class Optimizer {
   Optimizer(Optimizer&&) noexcept;
   Optimizer& operator=(Optimizer&&) noexcept;
 
-  [[nodiscard]] Summary optimize(Graph& graph) { return run(graph, true); }
-  /// Whether the last call reused the structure of the one before.
+  /// The summary is overwritten by the next call.
+  const Summary& optimize(Graph& graph) { return run(graph, true); }
+  /// Compiles the graph as the next call of `optimize` does, which then finds it done: to look at chi2 before deciding
+  /// where to start, say. The problem holds the estimates the graph has now, and serves until the next call on the
+  /// optimizer.
+  Problem& compile(Graph& graph);
+  /// Whether the last `optimize` reused the structure of the one before.
   bool reused() const;
   /// Applies to the next call; a change of solver, level, subset, gauge or threads compiles anew.
   Options& options();
@@ -40,7 +47,7 @@ class Optimizer {
  private:
   friend Summary optimize(Graph& graph, const Options& options);
   /// `again`: another call may follow, so the structure is kept with what identifies it.
-  Summary run(Graph& graph, bool again);
+  Summary& run(Graph& graph, bool again);
 
   struct Compiled;
   Options options_;

@@ -32,6 +32,12 @@ std::string_view toString(Status status) {
   throw LogicError(fmt::format("no such status: {}", static_cast<int>(status)));
 }
 
+void Summary::clear() {
+  // A copy's strings and vectors take the memory that is there.
+  const Summary fresh;
+  *this = fresh;
+}
+
 void Options::validate() const {
   const auto demand = [](bool holds, const char* what, double value) {
     if (!holds) throw GraphError(fmt::format("option {} is {}: {}", what, value, "it must be 0 or more"));

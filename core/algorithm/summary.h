@@ -109,6 +109,8 @@ struct Summary {
   } seconds;
 
   bool converged() const { return status == Status::converged; }
+  /// As new; keeps the memory of its parts.
+  void clear();
 };
 
 /// The table of iterations and the sentences around it.

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <thread>
 
 #include <quiver/core/util/parallel.h>
+#include <quiver/core/util/progress.h>
 
 namespace quiver::detail {
 namespace {
@@ -53,16 +53,6 @@ class TiledFactor {
   int below(int chunk) const { return begin(chunk) + (width(chunk) + 7) / 8 * 8; }
   int tasksOf(int chunk) const { return below(chunk) < panel_.rows ? 1 + strips_ - below(chunk) / height_ : 1; }
 
-  /// False if the factorisation has ended meanwhile.
-  bool wait(const std::atomic<int>& finished, int chunks) const {
-    constexpr int patience = 2000;
-    for (int looks = 0; finished.load(std::memory_order_acquire) < chunks; ++looks) {
-      if (ended_.load(std::memory_order_acquire)) return false;
-      if (looks > patience) std::this_thread::yield();
-    }
-    return !ended_.load(std::memory_order_acquire);
-  }
-
   void subtractProducts(int chunk, int firstRow, int lastRow) const {
     for (int k = 0; k < begin(chunk); k += depthColumns) {
       kernels_.updatePanel(panel_.values, panel_.stride, k, std::min(depthColumns, begin(chunk) - k), begin(chunk),
@@ -72,7 +62,7 @@ class TiledFactor {
 
   void factorDiagonal(int chunk) {
     // The strip that holds its rows.
-    if (!wait(finished_[static_cast<std::size_t>(begin(chunk) / height_)], chunk)) return;
+    if (!finished_[static_cast<std::size_t>(begin(chunk) / height_)].await(chunk, ended_)) return;
     PanelFailure failure;
     failure.stopped = chunk > 0 && stop_.reached();
     if (!failure.stopped) {
@@ -86,19 +76,19 @@ class TiledFactor {
       ended_.store(true, std::memory_order_release);
       return;
     }
-    diagonals_.store(chunk + 1, std::memory_order_release);
+    diagonals_.reach(chunk + 1);
   }
 
   void finishTile(int chunk, int strip) {
     const auto at = static_cast<std::size_t>(strip);
     const int first = std::max(below(chunk), strip * height_);
     const int last = std::min(panel_.rows, (strip + 1) * height_);
-    if (!wait(finished_[at], chunk)) return;
-    if (!wait(finished_[static_cast<std::size_t>(begin(chunk) / height_)], chunk)) return;
+    if (!finished_[at].await(chunk, ended_)) return;
+    if (!finished_[static_cast<std::size_t>(begin(chunk) / height_)].await(chunk, ended_)) return;
     subtractProducts(chunk, first, last);
-    if (!wait(diagonals_, chunk + 1)) return;
+    if (!diagonals_.await(chunk + 1, ended_)) return;
     kernels_.solveRows(panel_.values, panel_.stride, begin(chunk), width(chunk), first, last, panel_.inverse);
-    finished_[at].store(chunk + 1, std::memory_order_release);
+    finished_[at].reach(chunk + 1);
   }
 
   const KernelTable& kernels_;
@@ -108,8 +98,8 @@ class TiledFactor {
   int height_;
   int strips_;
   /// Chunks whose diagonal is factored, and of each strip the chunks whose tile is finished.
-  std::atomic<int> diagonals_{0};
-  std::array<std::atomic<int>, mostStrips> finished_{};
+  Progress diagonals_;
+  std::array<Progress, mostStrips> finished_;
   std::atomic<bool> ended_{false};
   PanelFailure failure_;
 };
