@@ -56,6 +56,8 @@ struct Row {
   double megaflops = 0.0, orderMs = 0.0, amdMs = 0.0, analyzeMs = 0.0;
   double cholmodMs = 0.0, cholmodSolveMs = 0.0;
   double factorMs[2] = {0.0, 0.0}, solveMs[2] = {0.0, 0.0}, ratio[2] = {0.0, 0.0}, peakShare[2] = {0.0, 0.0};
+  // What solving adds to a factorisation when both are asked for at once, as a share of it.
+  double addedShare[2] = {0.0, 0.0};
   double residual = 0.0;
 };
 
@@ -94,6 +96,21 @@ double relativeResidual(const BlockMatrix& matrix, const std::vector<double>& b,
     scale += b[i] * b[i];
   }
   return std::sqrt(error / scale);
+}
+
+/// The median over pairs of factorizeAndSolve and factorize alone.
+double addedShare(LinearSolver& solver, const BlockMatrix& matrix, const std::vector<double>& b) {
+  std::vector<double> x;
+  std::vector<double> shares;
+  for (int round = 0; round < 21; ++round) {
+    const double alone = medianOf(3, [&] { solver.factorize(matrix, {}); });
+    const double both = medianOf(3, [&] {
+      x = b;
+      solver.factorizeAndSolve(matrix, {}, x);
+    });
+    shares.push_back(both / alone - 1.0);
+  }
+  return median(shares);
 }
 
 Row measure(const GraphPattern& graph, int rounds, const double (&peak)[2]) {
@@ -143,6 +160,7 @@ Row measure(const GraphPattern& graph, int rounds, const double (&peak)[2]) {
       solvers[t]->solve(x);
     });
     row.residual = std::max(row.residual, relativeResidual(matrix, b, x));
+    row.addedShare[t] = addedShare(*solvers[t], matrix, b);
   }
   return row;
 }
@@ -151,11 +169,11 @@ void print(const Row& r) {
   fmt::print(
       "{:<16} {:>6} {:>9} {:>8.1f} {:<6} | {:>8.3f} {:<16} | {:>8.3f} {:>5.1f} {:>5.1f}x {:>4.0f}% | {:>8.3f} {:>5.1f} "
       "{:>5.1f}x {:>4.0f}% | "
-      "{:>6.2f} {:>6.2f} {:>6.2f} | {:>6.3f} {:>6.3f} {:>6.3f} | {:.0e}\n",
+      "{:>6.2f} {:>6.2f} {:>6.2f} | {:>6.3f} {:>6.3f} {:>6.3f} | {:>4.0f}% {:>4.0f}% | {:.0e}\n",
       r.graph, r.blocks, r.nonzeros, r.megaflops, r.ordering, r.cholmodMs, r.cholmodMethod, r.factorMs[0],
       r.megaflops / r.factorMs[0], r.ratio[0], 100 * r.peakShare[0], r.factorMs[1], r.megaflops / r.factorMs[1],
       r.ratio[1], 100 * r.peakShare[1], r.amdMs, r.orderMs, r.analyzeMs, r.solveMs[0], r.solveMs[1], r.cholmodSolveMs,
-      r.residual);
+      100 * r.addedShare[0], 100 * r.addedShare[1], r.residual);
   std::cout.flush();
 }
 
@@ -172,11 +190,11 @@ void writeJson(const std::string& path, const std::vector<Row>& rows, const doub
         "\"cholmod_ms\": {:.4f}, \"cholmod_solve_ms\": {:.4f}, \"factor_ms\": [{:.4f}, {:.4f}], \"ratio\": [{:.3f}, "
         "{:.3f}], "
         "\"peak_share\": [{:.4f}, {:.4f}], \"amd_ms\": {:.3f}, \"order_ms\": {:.3f}, \"analyze_ms\": {:.3f}, "
-        "\"solve_ms\": [{:.4f}, {:.4f}], "
+        "\"solve_ms\": [{:.4f}, {:.4f}], \"solve_added_share\": [{:.4f}, {:.4f}], "
         "\"residual\": {:.2e}}}",
         i == 0 ? "" : ",", r.graph, r.blocks, r.nonzeros, r.megaflops, r.ordering, r.cholmodMethod, r.cholmodMs,
         r.cholmodSolveMs, r.factorMs[0], r.factorMs[1], r.ratio[0], r.ratio[1], r.peakShare[0], r.peakShare[1], r.amdMs,
-        r.orderMs, r.analyzeMs, r.solveMs[0], r.solveMs[1], r.residual);
+        r.orderMs, r.analyzeMs, r.solveMs[0], r.solveMs[1], r.addedShare[0], r.addedShare[1], r.residual);
   }
   file << "\n]}\n";
 }
@@ -227,9 +245,10 @@ int run(const Arguments& arguments) {
   fmt::print(
       "{:<16} {:>6} {:>9} {:>8} {:<6} | {:>8} {:<16} | {:>8} {:>5} {:>6} {:>5} | {:>8} {:>5} {:>6} {:>5} | {:>6} {:>6} "
       "{:>6} | {:>6} "
-      "{:>6} {:>6} | {}\n",
+      "{:>6} {:>6} | {:>5} {:>5} | {}\n",
       "graph", "blocks", "nnz(L)", "MFlop", "order", "CHOLMOD", "ms, fastest of", "1 thr ms", "GF/s", "ratio", "peak",
-      "2 thr ms", "GF/s", "ratio", "peak", "amd", "order", "anlyze", "solve1", "solve2", "cholm.", "residual");
+      "2 thr ms", "GF/s", "ratio", "peak", "amd", "order", "anlyze", "solve1", "solve2", "cholm.", "adds1", "adds2",
+      "residual");
   std::vector<Row> rows;
   for (const GraphPattern& graph : graphs) {
     rows.push_back(measure(graph, arguments.rounds, peak));

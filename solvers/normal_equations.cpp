@@ -121,14 +121,22 @@ LinearOutcome NormalEquations::solve(std::span<const double> damping, std::span<
     toBlocks(damping, blockDamping_);
     blockDamping = blockDamping_;
   }
-  SolverStatus status = solver_->factorize(matrix_, blockDamping, stop);
-  seconds_.factorize += watch.lap();
-  if (status.ok()) status = backSubstitute(delta);
+  loadGradient();
+  const SolverStatus status = solver_->factorizeAndSolve(matrix_, blockDamping, blockVector_, stop);
+  if (status.ok()) toVariables(blockVector_, delta);
+  const double solve = status.ok() ? solver_->solveSeconds() : 0.0;
+  seconds_.factorize += watch.lap() - solve;
+  seconds_.solve += solve;
   return outcomeOf(status);
 }
 
 LinearOutcome NormalEquations::solveWithLastFactor(std::span<double> delta, const StopCondition&) {
-  return outcomeOf(backSubstitute(delta));
+  Stopwatch watch;
+  loadGradient();
+  const SolverStatus status = solver_->solve(blockVector_);
+  toVariables(blockVector_, delta);
+  seconds_.solve += watch.lap();
+  return outcomeOf(status);
 }
 
 bool NormalEquations::applyInverse(std::span<double> b) {
@@ -138,14 +146,9 @@ bool NormalEquations::applyInverse(std::span<double> b) {
   return true;
 }
 
-SolverStatus NormalEquations::backSubstitute(std::span<double> delta) {
-  Stopwatch watch;
+void NormalEquations::loadGradient() {
   toBlocks(gradient_, blockVector_);
   for (double& value : blockVector_) value = -value;
-  const SolverStatus status = solver_->solve(blockVector_);
-  toVariables(blockVector_, delta);
-  seconds_.solve += watch.lap();
-  return status;
 }
 
 LinearOutcome NormalEquations::outcomeOf(const SolverStatus& status) const {

@@ -32,7 +32,8 @@ class NormalEquations final : public LinearSystem {
 
  private:
   LinearOutcome outcomeOf(const SolverStatus& status) const;
-  SolverStatus backSubstitute(std::span<double> delta);
+  /// blockVector_ = −g.
+  void loadGradient();
   void chooseSolver(const BlockPattern& pattern);
   /// Copies between the order of variables and that of blocks.
   void toBlocks(std::span<const double> variables, std::span<double> blocks) const;

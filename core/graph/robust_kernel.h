@@ -13,7 +13,7 @@ struct RobustValue {
   double second;
 };
 
-/// The same at many squared errors, an array each.
+/// The same at many squared errors, an array each; `second` may be null.
 struct RobustValues {
   double* rho;
   double* weight;
@@ -72,7 +72,7 @@ class RobustKernel {
       const RobustValue value = evaluate(squaredErrors[i]);
       values.rho[i] = value.rho;
       values.weight[i] = value.weight;
-      values.second[i] = value.second;
+      if (values.second) values.second[i] = value.second;
     }
   }
 

@@ -10,6 +10,14 @@ namespace {
 /// A kernel over many errors: a loop that the compiler turns into vectors where the kernel has no branch.
 template <RobustValue (*kernel)(double, double, double)>
 void all(std::span<const double> errors, double width, double shape, const RobustValues& values) {
+  if (!values.second) {
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      const RobustValue value = kernel(errors[i], width, shape);
+      values.rho[i] = value.rho;
+      values.weight[i] = value.weight;
+    }
+    return;
+  }
   for (std::size_t i = 0; i < errors.size(); ++i) {
     const RobustValue value = kernel(errors[i], width, shape);
     values.rho[i] = value.rho;

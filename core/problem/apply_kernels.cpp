@@ -21,7 +21,7 @@ struct Factors {
   alignas(64) double stretch[Panel::capacity];  // √ρ' / (1 − α)
 };
 
-/// Fills cost and weight, and ρ'' if wanted.
+/// Fills cost and weight, and ρ'' unless `second` is null.
 void evaluateKernels(const Panel& panel, const BatchKernels& kernels, std::span<const std::int32_t> edges,
                      double* second) {
   if (kernels.common()) {
@@ -32,7 +32,7 @@ void evaluateKernels(const Panel& panel, const BatchKernels& kernels, std::span<
     const RobustValue value = kernels.of(edges[i]).evaluate(panel.squaredError[i]);
     panel.cost[i] = value.rho;
     panel.weight[i] = value.weight;
-    second[i] = value.second;
+    if (second) second[i] = value.second;
   }
 }
 
@@ -117,11 +117,12 @@ void applyKernels(const Panel& panel, const BatchKernels& kernels, std::span<con
     return;
   }
   double second[Panel::capacity];
-  evaluateKernels(panel, kernels, edges, second);
+  const bool secondOrder = correction == RobustCorrection::second;
+  evaluateKernels(panel, kernels, edges, secondOrder ? second : nullptr);
   if (!correction) return;
   Factors factors;
   for (std::size_t i = 0; i < count; ++i) factors.roots[i] = std::sqrt(std::max(panel.weight[i], 0.0));
-  const bool curved = correction == RobustCorrection::second && curve(panel, count, second, factors);
+  const bool curved = secondOrder && curve(panel, count, second, factors);
   if (!curved && std::all_of(panel.weight, panel.weight + count, [](double weight) { return weight == 1.0; })) return;
   const std::size_t groups = (count + lanes - 1) / lanes;
   std::fill(factors.roots + count, factors.roots + groups * lanes, 1.0);

@@ -144,13 +144,17 @@ void sortByContent(const Graph& graph, std::span<const Edge*> edges) {
 }  // namespace
 
 void sortVertices(const Graph& graph, std::vector<Vertex*>& vertices) {
-  std::vector<int> rank(graph.registry()->vertexTypes().size());
-  std::vector<int> byTag(rank.size());
-  std::iota(byTag.begin(), byTag.end(), 0);
-  std::sort(byTag.begin(), byTag.end(), [&](int a, int b) {
-    return graph.registry()->vertexTypes()[static_cast<std::size_t>(a)]->tag() <
-           graph.registry()->vertexTypes()[static_cast<std::size_t>(b)]->tag();
-  });
+  std::vector<int> rank(graph.registry()->vertexTypes().size(), -1);
+  std::vector<int> byTag;
+  for (const Vertex* vertex : vertices) {
+    int& own = rank[static_cast<std::size_t>(vertex->type())];
+    if (own < 0) byTag.push_back(vertex->type());
+    own = 0;
+  }
+  const auto tag = [&](int type) -> const std::string& {
+    return graph.registry()->vertexTypes()[static_cast<std::size_t>(type)]->tag();
+  };
+  std::sort(byTag.begin(), byTag.end(), [&](int a, int b) { return tag(a) < tag(b); });
   for (std::size_t i = 0; i < byTag.size(); ++i) rank[static_cast<std::size_t>(byTag[i])] = static_cast<int>(i);
   const auto less = [&](const Vertex* a, const Vertex* b) {
     const int rankA = rank[static_cast<std::size_t>(a->type())];
@@ -177,13 +181,17 @@ void sortEdges(const Graph& graph, std::vector<const Edge*>& edges) {
 }
 
 std::vector<int> edgeTypeOrder(const Registry& registry) {
-  std::vector<int> order(registry.edgeTypes().size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    return registry.edgeTypes()[static_cast<std::size_t>(a)]->tag() <
-           registry.edgeTypes()[static_cast<std::size_t>(b)]->tag();
-  });
-  return order;
+  std::vector<int> types(registry.edgeTypes().size());
+  std::iota(types.begin(), types.end(), 0);
+  return edgeTypeOrder(registry, std::move(types));
+}
+
+std::vector<int> edgeTypeOrder(const Registry& registry, std::vector<int> types) {
+  const auto tag = [&](int type) -> const std::string& {
+    return registry.edgeTypes()[static_cast<std::size_t>(type)]->tag();
+  };
+  std::sort(types.begin(), types.end(), [&](int a, int b) { return tag(a) < tag(b); });
+  return types;
 }
 
 SlotTable::SlotTable(const std::vector<Vertex*>& vertices) {

@@ -15,8 +15,9 @@ void sortVertices(const Graph& graph, std::vector<Vertex*>& vertices);
 /// the order in which equal edges were added does not matter. O(n) when sorted already.
 void sortEdges(const Graph& graph, std::vector<const Edge*>& edges);
 
-/// Indices of a registry's edge types by tag.
+/// Indices of a registry's edge types, all or those given, by tag.
 std::vector<int> edgeTypeOrder(const Registry& registry);
+std::vector<int> edgeTypeOrder(const Registry& registry, std::vector<int> types);
 
 /// From vertex ids to positions in a list.
 class SlotTable {

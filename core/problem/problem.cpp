@@ -175,15 +175,15 @@ void Problem::fixVariables(std::span<const int> variables) {
 }
 
 void Problem::makeBatches(std::vector<std::vector<const Edge*>> edges, const std::vector<std::int32_t>& ends) {
-  const std::vector<int> order = edgeTypeOrder(*graph_->registry());
+  std::vector<int> present;
   std::vector<std::size_t> firstEnd(edges.size() + 1, 0);
   for (std::size_t type = 0; type < edges.size(); ++type) {
+    if (!edges[type].empty()) present.push_back(static_cast<int>(type));
     firstEnd[type + 1] = firstEnd[type];
     for (const Edge* edge : edges[type]) firstEnd[type + 1] += static_cast<std::size_t>(edge->arity());
   }
-  for (const int type : order) {
+  for (const int type : edgeTypeOrder(*graph_->registry(), std::move(present))) {
     auto& list = edges[static_cast<std::size_t>(type)];
-    if (list.empty()) continue;
     BatchSource source{*graph_, layout_, std::move(list), {}, {0}, threads_};
     source.slots.assign(ends.begin() + static_cast<std::ptrdiff_t>(firstEnd[static_cast<std::size_t>(type)]),
                         ends.begin() + static_cast<std::ptrdiff_t>(firstEnd[static_cast<std::size_t>(type) + 1]));

@@ -107,33 +107,37 @@ inline void crossAny(const double* A, const double* B, int rows, int columnsA, i
   }
 }
 
-/// Sizes as constants: the sums of a row of JᵀJ stay in registers over all groups.
-template <typename L, int N, int D>
-inline void sumFixed(const double* J, const double* residual, int groups, double* sums) {
-  for (int a = 0, at = 0; a < D; at += D - a, ++a) {
-    L products[D];
-    L gradient(0.0);
-    for (int b = a; b < D; ++b) products[b] = L(0.0);
-    for (int g = 0; g < groups; ++g) {
-      const double* const block = J + g * N * D * width;
-      L own[N];
-      for (int k = 0; k < N; ++k) {
-        L r;
-        loadLanes(block + (a * N + k) * width, own[k]);
-        loadLanes(residual + (g * N + k) * width, r);
-        gradient += own[k] * r;
-      }
-      for (int b = a; b < D; ++b) {
-        for (int k = 0; k < N; ++k) {
-          L other;
-          loadLanes(block + (b * N + k) * width, other);
-          products[b] += own[k] * other;
-        }
+/// Rows [A, End) of JᵀJ and their part of Jᵀr, summed over all groups in registers.
+template <typename L, int N, int D, int A, int End>
+inline void sumRows(const double* J, const double* residual, int groups, double* sums) {
+  constexpr int first = A * D - A * (A - 1) / 2;
+  constexpr int count = End * D - End * (End - 1) / 2 - first;
+  L products[count];
+  L gradient[End - A];
+  for (int k = 0; k < count; ++k) products[k] = L(0.0);
+  for (int k = 0; k < End - A; ++k) gradient[k] = L(0.0);
+  for (int g = 0; g < groups; ++g, J += N * D * width, residual += N * width) {
+    for (int r = 0; r < N; ++r) {
+      L column[D - A];
+      L error;
+      for (int c = A; c < D; ++c) loadLanes(J + (c * N + r) * width, column[c - A]);
+      loadLanes(residual + r * width, error);
+      for (int a = A, at = 0; a < End; ++a) {
+        for (int b = a; b < D; ++b, ++at) products[at] += column[a - A] * column[b - A];
+        gradient[a - A] += column[a - A] * error;
       }
     }
-    for (int b = a; b < D; ++b) addLanes(products[b], sums + (at + b - a) * width);
-    addLanes(gradient, sums + (D * (D + 1) / 2 + a) * width);
   }
+  for (int k = 0; k < count; ++k) addLanes(products[k], sums + (first + k) * width);
+  for (int k = 0; k < End - A; ++k) addLanes(gradient[k], sums + (D * (D + 1) / 2 + A + k) * width);
+}
+
+/// Sizes as constants, as many rows at a time as registers hold.
+template <typename L, int N, int D>
+inline void sumFixed(const double* J, const double* residual, int groups, double* sums) {
+  constexpr int half = D <= 3 ? D : D / 2;
+  sumRows<L, N, D, 0, half>(J, residual, groups, sums);
+  if constexpr (half < D) sumRows<L, N, D, half, D>(J, residual, groups, sums);
 }
 
 template <typename L>

@@ -66,7 +66,19 @@ class LinearSolver {
   /// Overwrites `count` right-hand sides (column after column) with the solutions of the last factorisation.
   virtual SolverStatus solve(std::span<double> rightHandSides, int count = 1) = 0;
 
+  /// Factors and solves for one right-hand side, which is overwritten, in case of failure by anything: what a step of a
+  /// descent needs. A direct solver substitutes forward while each part of the factor is still near, which saves
+  /// reading the factor once; the bits are those of `factorize` and `solve`.
+  virtual SolverStatus factorizeAndSolve(const BlockMatrix& matrix, std::span<const double> damping,
+                                         std::span<double> rightHandSide, const StopCondition& stop = {});
+
+  /// How long the last factorizeAndSolve took after the factor was complete.
+  double solveSeconds() const { return solveSeconds_; }
+
   virtual FactorStatistics statistics() const = 0;
+
+ protected:
+  double solveSeconds_ = 0.0;
 };
 
 }  // namespace quiver

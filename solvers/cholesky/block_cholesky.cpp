@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include <quiver/core/util/parallel.h>
+#include <quiver/core/util/stopwatch.h>
 #include <quiver/solvers/backends/validate.h>
 #include <quiver/solvers/cholesky/panel.h>
 #include <quiver/solvers/cholesky/work_buffer.h>
@@ -78,8 +79,27 @@ FactorStatistics BlockCholesky::statistics() const {
 SolverStatus BlockCholesky::factorize(const BlockMatrix& matrix, std::span<const double> damping,
                                       const StopCondition& stop) {
   validateFactorize(name(), pattern_.get(), matrix, damping);
+  return factorAll({matrix.values().data(), damping.empty() ? nullptr : damping.data(), &stop, false});
+}
+
+SolverStatus BlockCholesky::factorizeAndSolve(const BlockMatrix& matrix, std::span<const double> damping,
+                                              std::span<double> rightHandSide, const StopCondition& stop) {
+  validateFactorize(name(), pattern_.get(), matrix, damping);
+  validateSolve(name(), true, pattern_.get(), rightHandSide, 1);
+  loadVector(rightHandSide.data(), columnOf(0).x);
+  const SolverStatus status =
+      factorAll({matrix.values().data(), damping.empty() ? nullptr : damping.data(), &stop, true});
+  if (!status.ok()) return status;
+  const Stopwatch watch;
+  backwardAll(1);
+  storeVector(columnOf(0).x, rightHandSide.data());
+  solveSeconds_ = watch.seconds();
+  return status;
+}
+
+SolverStatus BlockCholesky::factorAll(const Input& input) {
   factored_ = false;
-  const Input input{matrix.values().data(), damping.empty() ? nullptr : damping.data(), &stop};
+  const StopCondition& stop = *input.stop;
   const TaskSchedule& schedule = plan_.schedule;
   std::atomic<bool> stopped{false};
   const auto count = static_cast<std::int64_t>(schedule.tasks.size());
@@ -123,7 +143,9 @@ BlockCholesky::Failure BlockCholesky::factorTask(std::int64_t task, const Input&
 }
 
 BlockCholesky::Failure BlockCholesky::factorNode(int node, const Input& input, const Worker& worker) {
-  return plan_.nodes[node].leaf ? factorLeaf(node, input, worker) : factorFront(node, input, worker);
+  const Failure failure = plan_.nodes[node].leaf ? factorLeaf(node, input, worker) : factorFront(node, input, worker);
+  if (input.substitutes && failure.scalar < 0) forwardNode(node, columnOf(0));
+  return failure;
 }
 
 /// Copies the blocks of H in the given columns into the node's values (stride 0: leaf blocks) and adds the damping.
@@ -241,25 +263,33 @@ BlockCholesky::Column BlockCholesky::columnOf(int index) {
 }
 
 void BlockCholesky::solveTogether(double* b, int count) {
-  const TaskSchedule& schedule = plan_.schedule;
   const std::int64_t scalars = pattern_->layout().scalars();
-  const auto tasks = static_cast<std::int64_t>(schedule.tasks.size());
+  for (int k = 0; k < count; ++k) loadVector(b + k * scalars, columnOf(k).x);
+  forwardAll(count);
+  backwardAll(count);
+  for (int k = 0; k < count; ++k) storeVector(columnOf(k).x, b + k * scalars);
+}
+
+void BlockCholesky::forwardAll(int count) {
+  const TaskSchedule& schedule = plan_.schedule;
   const auto forward = [&](int node) {
     for (int k = 0; k < count; ++k) forwardNode(node, columnOf(k));
   };
-  const auto backward = [&](int node) {
-    for (int k = 0; k < count; ++k) backwardNode(node, columnOf(k));
-  };
-  for (int k = 0; k < count; ++k) loadVector(b + k * scalars, columnOf(k).x);
-  parallelFor(tasks, schedule.threads, [&](std::int64_t t) {
+  parallelFor(static_cast<std::int64_t>(schedule.tasks.size()), schedule.threads, [&](std::int64_t t) {
     for (int node = schedule.tasks[t].begin; node < schedule.tasks[t].end; ++node) forward(node);
   });
   for (const int node : schedule.top) forward(node);
+}
+
+void BlockCholesky::backwardAll(int count) {
+  const TaskSchedule& schedule = plan_.schedule;
+  const auto backward = [&](int node) {
+    for (int k = 0; k < count; ++k) backwardNode(node, columnOf(k));
+  };
   for (std::size_t i = schedule.top.size(); i-- > 0;) backward(schedule.top[i]);
-  parallelFor(tasks, schedule.threads, [&](std::int64_t t) {
+  parallelFor(static_cast<std::int64_t>(schedule.tasks.size()), schedule.threads, [&](std::int64_t t) {
     for (int node = schedule.tasks[t].end - 1; node >= schedule.tasks[t].begin; --node) backward(node);
   });
-  for (int k = 0; k < count; ++k) storeVector(columnOf(k).x, b + k * scalars);
 }
 
 void BlockCholesky::loadVector(const double* b, double* x) const {

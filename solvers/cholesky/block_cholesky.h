@@ -27,6 +27,8 @@ class BlockCholesky final : public LinearSolver {
   SolverStatus factorize(const BlockMatrix& matrix, std::span<const double> damping,
                          const StopCondition& stop = {}) override;
   SolverStatus solve(std::span<double> rightHandSides, int count = 1) override;
+  SolverStatus factorizeAndSolve(const BlockMatrix& matrix, std::span<const double> damping,
+                                 std::span<double> rightHandSide, const StopCondition& stop = {}) override;
   FactorStatistics statistics() const override;
 
   const FactorPlan& plan() const { return plan_; }
@@ -36,6 +38,8 @@ class BlockCholesky final : public LinearSolver {
     const double* values;
     const double* damping;  // null if there is none
     const StopCondition* stop;
+    /// Substitute forward, in the first column of the workspace, as nodes are finished.
+    bool substitutes;
   };
   /// A pivot that was not positive: its scalar in the factor's numbering, or −1.
   struct Failure {
@@ -49,6 +53,7 @@ class BlockCholesky final : public LinearSolver {
     double* arena;
   };
 
+  SolverStatus factorAll(const Input& input);
   Failure factorTask(std::int64_t task, const Input& input, double* arena, std::atomic<bool>& stopped);
   Failure factorNode(int node, const Input& input, const Worker& worker);
   Failure factorLeaf(int node, const Input& input, const Worker& worker);
@@ -68,6 +73,9 @@ class BlockCholesky final : public LinearSolver {
   };
   Column columnOf(int index);
   void solveTogether(double* b, int count);
+  /// Both directions for the columns 0 … count − 1, whose x is loaded.
+  void forwardAll(int count);
+  void backwardAll(int count);
   /// Copies between a vector in the pattern's order and one in the factor's.
   void loadVector(const double* b, double* x) const;
   void storeVector(const double* x, double* b) const;

@@ -88,6 +88,27 @@ TEST_P(LinearSolverTest, solvesLargerSystems) {
   }
 }
 
+TEST_P(LinearSolverTest, factorsAndSolvesAtOnceWithTheSameBits) {
+  for (const auto& choices : std::vector<std::vector<int>>{{3}, {6}, {2, 3, 6}}) {
+    for (const int threads : {1, 2}) {
+      const auto solver = GetParam().make();
+      const BlockMatrix matrix = ordered(*solver, Shape::grid, 400, choices);
+      const std::int64_t scalars = matrix.layout().scalars();
+      const Eigen::VectorXd b = randomVector(scalars, random_);
+      Eigen::MatrixXd damping = randomVector(scalars, random_).cwiseAbs();
+      solver->analyze(std::make_shared<const BlockPattern>(matrix.pattern()), threads);
+      Eigen::MatrixXd separate = b, together = b;
+      ASSERT_TRUE(solver->factorize(matrix, spanOf(damping)).ok());
+      ASSERT_TRUE(solver->solve(spanOf(separate)).ok());
+      ASSERT_TRUE(solver->factorizeAndSolve(matrix, spanOf(damping), spanOf(together)).ok());
+      EXPECT_EQ(together, separate) << threads << " threads";
+      Eigen::MatrixXd again = b;
+      ASSERT_TRUE(solver->solve(spanOf(again)).ok());
+      EXPECT_EQ(again, separate) << "the factor serves on";
+    }
+  }
+}
+
 TEST_P(LinearSolverTest, solvesInAnyOrderItIsGiven) {
   const auto solver = GetParam().make();
   for (const int blocks : {5, 40}) {
