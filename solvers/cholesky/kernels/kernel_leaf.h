@@ -235,9 +235,14 @@ void leafBackward(const LeafView& leaf, const double* values, const double* inve
     const double* reciprocal = inverse + column.scalar;
     const double* block = diagonal;
     const std::int32_t* rows = leaf.rows + column.rows;
+    // Columns lie in memory in the order of j: going down, no hardware sees the next one coming.
+    const double* next = values + leaf.columns[j > 0 ? j - 1 : 0].values;
     typename Block::Vector sums[b] = {};
     for (int i = 0; i < column.below; ++i) {
       block += Block::size;
+#pragma GCC unroll 12
+      for (int k = 0; k < Block::size; k += 8) __builtin_prefetch(next + k);
+      next += Block::size;
       const double* source = v + rows[i];
 #pragma GCC unroll 12
       for (int k = 0; k < Block::vectors; ++k) {
