@@ -9,9 +9,20 @@
 #include <quiver/core/util/error.h>
 
 namespace quiver {
+namespace {
+
+/// Whether a Cholesky factor exists; small matrices, which are nearly all, cost no memory from the heap.
+bool isPositiveDefinite(const Eigen::Map<const Eigen::MatrixXd>& omega) {
+  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
+  if (omega.rows() <= 6) return Eigen::LLT<Small>(omega).info() == Eigen::Success;
+  return Eigen::LLT<Eigen::MatrixXd>(omega).info() == Eigen::Success;
+}
+
+}  // namespace
 
 void checkInformation(const double* matrix, int dimension) {
   const Eigen::Map<const Eigen::MatrixXd> omega(matrix, dimension, dimension);
+  if (detail::isPlainlyDominant(omega)) return;
   double largest = 0.0;
   for (int c = 0; c < dimension; ++c) {
     for (int r = 0; r < dimension; ++r) {
@@ -22,20 +33,15 @@ void checkInformation(const double* matrix, int dimension) {
       largest = std::max(largest, std::abs(omega(r, c)));
     }
   }
-  bool diagonal = true;
-  bool negative = false;
   for (int c = 0; c < dimension; ++c) {
-    negative = negative || omega(c, c) < 0.0;
     for (int r = 0; r < c; ++r) {
-      diagonal = diagonal && omega(r, c) == 0.0 && omega(c, r) == 0.0;
       if (std::abs(omega(r, c) - omega(c, r)) > 1e-9 * largest) {
         throw GraphError(fmt::format("information matrix: not symmetric, entries ({}, {}) and ({}, {}) are {} and {}",
                                      r + 1, c + 1, c + 1, r + 1, omega(r, c), omega(c, r)));
       }
     }
   }
-  if (diagonal && !negative) return;
-  if (Eigen::LLT<Eigen::MatrixXd>(omega).info() == Eigen::Success) return;
+  if (isPositiveDefinite(omega)) return;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(omega, Eigen::EigenvaluesOnly);
   const double least = solver.eigenvalues()[0];
   const double most = solver.eigenvalues()[dimension - 1];

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace quiver {
@@ -15,26 +17,42 @@ class ElementPool {
   virtual std::int64_t slots() const = 0;
   virtual Base& at(std::int64_t slot) = 0;
   virtual const Base& at(std::int64_t slot) const = 0;
-  /// A blank element in a free slot, or in a new one. Returns its slot.
-  virtual std::int64_t add() = 0;
+  struct Added {
+    Base& element;
+    std::int64_t slot;
+  };
+  /// A blank element in a free slot, or in a new one.
+  virtual Added add() = 0;
   /// Blanks the element and frees its slot.
   virtual void remove(std::int64_t slot) = 0;
+  /// Room, in one piece, for the slots below `count`.
   virtual void reserve(std::int64_t count) = 0;
   virtual std::unique_ptr<ElementPool> clone() const = 0;
+
+  /// Appends slots whose elements construct() is to make, each once. Until then the pool may be added to, but neither
+  /// copied nor destroyed. Returns the first slot. (Elements whose constructor may throw are made at once.)
+  virtual std::int64_t append(std::int64_t count) = 0;
+  /// Makes blank elements in appended slots. Thread safe for slots that differ.
+  virtual void construct(std::int64_t first, std::int64_t count) noexcept = 0;
 };
 
-/// Elements of type T in chunks: addresses never change, and a walk over a type is a walk over memory.
+/// Elements of type T in chunks: addresses never change, and a walk over a type is a walk over memory. Memory is
+/// touched when an element is made there, not before.
 template <typename Base, typename T>
 class TypedPool final : public ElementPool<Base> {
  public:
   static constexpr std::int64_t chunkSize = 256;
 
   TypedPool() = default;
-  TypedPool(const TypedPool& other) : size_(other.size_), free_(other.free_) {
-    chunks_.reserve(other.chunks_.size());
-    for (const auto& chunk : other.chunks_) {
-      chunks_.push_back(std::make_unique<T[]>(chunkSize));
-      for (std::int64_t i = 0; i < chunkSize; ++i) chunks_.back()[i] = chunk[i];
+  TypedPool(const TypedPool& other) : TypedPool() {
+    makeRoom(other.size_);
+    for (; size_ < other.size_; ++size_) std::construct_at(&get(size_), other.get(size_));
+    free_ = other.free_;
+  }
+  TypedPool& operator=(const TypedPool&) = delete;
+  ~TypedPool() override {
+    if constexpr (!std::is_trivially_destructible_v<T>) {
+      for (std::int64_t slot = 0; slot < size_; ++slot) std::destroy_at(&get(slot));
     }
   }
 
@@ -46,16 +64,15 @@ class TypedPool final : public ElementPool<Base> {
     return chunks_[static_cast<std::size_t>(slot / chunkSize)][slot % chunkSize];
   }
 
-  std::int64_t add() override {
+  typename ElementPool<Base>::Added add() override {
     if (!free_.empty()) {
       const std::int64_t slot = free_.back();
       free_.pop_back();
-      return slot;
+      return {get(slot), slot};
     }
-    if (size_ % chunkSize == 0 && size_ / chunkSize == static_cast<std::int64_t>(chunks_.size())) {
-      chunks_.push_back(std::make_unique<T[]>(chunkSize));
-    }
-    return size_++;
+    if (size_ == static_cast<std::int64_t>(chunks_.size()) * chunkSize) makeRoom(size_ + 1);
+    T& element = *std::construct_at(&get(size_));
+    return {element, size_++};
   }
 
   void remove(std::int64_t slot) override {
@@ -63,12 +80,51 @@ class TypedPool final : public ElementPool<Base> {
     free_.push_back(slot);
   }
 
-  void reserve(std::int64_t count) override { chunks_.reserve(static_cast<std::size_t>(count / chunkSize + 1)); }
+  void reserve(std::int64_t count) override { makeRoom(count); }
 
   std::unique_ptr<ElementPool<Base>> clone() const override { return std::make_unique<TypedPool>(*this); }
 
+  std::int64_t append(std::int64_t count) override {
+    makeRoom(size_ + count);
+    const std::int64_t first = size_;
+    if constexpr (madeLater) {
+      size_ += count;
+    } else {
+      for (; size_ < first + count; ++size_) std::construct_at(&get(size_));
+    }
+    return first;
+  }
+  void construct(std::int64_t first, std::int64_t count) noexcept override {
+    if constexpr (madeLater) {
+      for (std::int64_t slot = first; slot < first + count; ++slot) std::construct_at(&get(slot));
+    }
+  }
+
  private:
-  std::vector<std::unique_ptr<T[]>> chunks_;
+  static constexpr bool madeLater = std::is_nothrow_default_constructible_v<T>;
+
+  /// Raw memory of whole chunks, one after the other.
+  struct Block {
+    explicit Block(std::int64_t elements)
+        : count(static_cast<std::size_t>(elements)), data(std::allocator<T>().allocate(count)) {}
+    Block(Block&& other) noexcept : count(other.count), data(std::exchange(other.data, nullptr)) {}
+    Block& operator=(Block&&) = delete;
+    ~Block() {
+      if (data) std::allocator<T>().deallocate(data, count);
+    }
+    std::size_t count;
+    T* data;
+  };
+
+  void makeRoom(std::int64_t count) {
+    const std::int64_t missing = (count + chunkSize - 1) / chunkSize - static_cast<std::int64_t>(chunks_.size());
+    if (missing <= 0) return;
+    blocks_.emplace_back(missing * chunkSize);
+    for (std::int64_t i = 0; i < missing; ++i) chunks_.push_back(blocks_.back().data + i * chunkSize);
+  }
+
+  std::vector<Block> blocks_;
+  std::vector<T*> chunks_;
   std::int64_t size_ = 0;
   std::vector<std::int64_t> free_;
 };

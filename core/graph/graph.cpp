@@ -72,7 +72,6 @@ Graph::Graph(const Graph& other)
       vertexIds_(other.vertexIds_),
       parameterIds_(other.parameterIds_),
       edgeCount_(other.edgeCount_),
-      roleTypes_(other.roleTypes_),
       fileAttachment_(other.fileAttachment_) {
   if (other.attachments_.empty()) return;
   copyAttachments(other.vertices_, vertices_, other.attachments_, attachments_);
@@ -93,7 +92,7 @@ Graph& Graph::operator=(Graph&& other) noexcept {
   std::swap(vertexIds_, other.vertexIds_);
   std::swap(parameterIds_, other.parameterIds_);
   std::swap(edgeCount_, other.edgeCount_);
-  std::swap(roleTypes_, other.roleTypes_);
+  std::swap(shapes_, other.shapes_);
   std::swap(lastVertexType_, other.lastVertexType_);
   std::swap(lastEdgeType_, other.lastEdgeType_);
   std::swap(attachments_, other.attachments_);
@@ -126,11 +125,9 @@ int Graph::edgeTypeIndex(std::string_view cppName) {
 Vertex& Graph::addVertexOf(int type, std::int64_t id) {
   if (id < 0) throw GraphError(fmt::format("vertex id {} is negative; ids are 0 or more", id));
   if (vertexIds_.find(id).valid()) throw GraphError(fmt::format("vertex {} exists already", id));
-  ElementPool<Vertex>& pool = poolOf(vertices_, *registry_->vertexTypes()[static_cast<std::size_t>(type)]);
-  const std::int64_t slot = pool.add();
-  Vertex& vertex = pool.at(slot);
-  vertex.id_ = id;
-  vertex.type_ = static_cast<std::uint16_t>(type);
+  ElementPool<Vertex>& pool = vertexPool(type);
+  const auto [vertex, slot] = pool.add();
+  initialize(vertex, type, id);
   vertexIds_.insert(id, {type, static_cast<std::int32_t>(slot)});
   return vertex;
 }
@@ -141,30 +138,52 @@ Parameter& Graph::addParameterOf(const ParameterType* type, std::string_view cpp
   if (id < 0) throw GraphError(fmt::format("parameter id {} is negative; ids are 0 or more", id));
   if (parameterIds_.find(id).valid()) throw GraphError(fmt::format("parameter {} exists already", id));
   ElementPool<Parameter>& pool = poolOf(parameters_, *type);
-  const std::int64_t slot = pool.add();
-  Parameter& parameter = pool.at(slot);
+  const auto [parameter, slot] = pool.add();
   parameter.id_ = id;
   parameter.type_ = static_cast<std::uint16_t>(type->index());
   parameterIds_.insert(id, {type->index(), static_cast<std::int32_t>(slot)});
   return parameter;
 }
 
-void Graph::checkVertices(const EdgeType& type, std::span<const std::int64_t> vertices) const {
-  const int count = static_cast<int>(vertices.size());
-  if (count < type.arity() || (count > type.arity() && !type.variableArity())) {
-    throw GraphError(fmt::format("edge {} joins {}{} vertices, not {}", type.tag(),
-                                 type.variableArity() ? "at least " : "", type.arity(), count));
+const Graph::EdgeShape& Graph::shapeOf(const EdgeType& type) {
+  const auto index = static_cast<std::size_t>(type.index());
+  if (shapes_.size() <= index) shapes_.resize(index + 1);
+  if (shapes_[index].pool) return shapes_[index];
+  EdgeShape shape;
+  shape.variableArity = type.variableArity();
+  for (int role = 0; role < type.arity(); ++role) {
+    const VertexType* vertex = registry_->findVertexTypeByName(type.vertexTypeName(role));
+    if (!vertex) {
+      throw GraphError(fmt::format("edge {} joins vertices of type {}, which is not registered", type.tag(),
+                                   type.vertexTypeName(role)));
+    }
+    shape.vertexTypes.push_back(vertex->index());
   }
-  const std::vector<int>& roles = roleTypes_[static_cast<std::size_t>(type.index())];
-  for (int role = 0; role < count; ++role) {
-    const std::int64_t id = vertices[static_cast<std::size_t>(role)];
-    const ElementLocation location = vertexIds_.find(id);
+  for (const std::string_view name : type.parameterTypeNames()) {
+    const ParameterType* parameter = registry_->findParameterTypeByName(name);
+    if (!parameter)
+      throw GraphError(fmt::format("edge {} uses parameters of type {}, which is not registered", type.tag(), name));
+    shape.parameterTypes.push_back(parameter->index());
+  }
+  shape.pool = &poolOf(edges_, type);
+  return shapes_[index] = std::move(shape);
+}
+
+void Graph::checkVertices(const EdgeType& type, const EdgeShape& shape, std::span<const std::int64_t> vertices) const {
+  const std::vector<int>& roles = shape.vertexTypes;
+  if (vertices.size() < roles.size() || (vertices.size() > roles.size() && !shape.variableArity)) {
+    throw GraphError(fmt::format("edge {} joins {}{} vertices, not {}", type.tag(),
+                                 shape.variableArity ? "at least " : "", roles.size(), vertices.size()));
+  }
+  for (std::size_t role = 0; role < vertices.size(); ++role) {
+    const ElementLocation location = vertexIds_.find(vertices[role]);
     if (!location.valid())
-      throw GraphError(fmt::format("edge {} names vertex {}, which does not exist", type.tag(), id));
-    const int expected = roles[static_cast<std::size_t>(std::min(role, static_cast<int>(roles.size()) - 1))];
+      throw GraphError(fmt::format("edge {} names vertex {}, which does not exist", type.tag(), vertices[role]));
+    const int expected = roles[std::min(role, roles.size() - 1)];
     if (location.type != expected) {
       throw GraphError(fmt::format("edge {} wants a {} at place {}, but vertex {} is a {}", type.tag(),
-                                   registry_->vertexTypes()[static_cast<std::size_t>(expected)]->tag(), role + 1, id,
+                                   registry_->vertexTypes()[static_cast<std::size_t>(expected)]->tag(), role + 1,
+                                   vertices[role],
                                    registry_->vertexTypes()[static_cast<std::size_t>(location.type)]->tag()));
     }
   }
@@ -173,51 +192,50 @@ void Graph::checkVertices(const EdgeType& type, std::span<const std::int64_t> ve
   }
 }
 
-void Graph::checkParameters(const EdgeType& type, std::span<const std::int64_t> parameters) const {
-  const std::vector<std::string_view> names = type.parameterTypeNames();
-  if (names.size() != parameters.size()) {
-    throw GraphError(fmt::format("edge {} uses {} parameters, not {}", type.tag(), names.size(), parameters.size()));
+void Graph::checkParameters(const EdgeType& type, const EdgeShape& shape,
+                            std::span<const std::int64_t> parameters) const {
+  if (shape.parameterTypes.size() != parameters.size()) {
+    throw GraphError(
+        fmt::format("edge {} uses {} parameters, not {}", type.tag(), shape.parameterTypes.size(), parameters.size()));
   }
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const Parameter* parameter = findParameter(parameters[i]);
-    if (!parameter)
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const ElementLocation location = parameterIds_.find(parameters[i]);
+    if (!location.valid())
       throw GraphError(fmt::format("edge {} uses parameter {}, which does not exist", type.tag(), parameters[i]));
-    if (typeOf(*parameter).cppName() != names[i]) {
-      const ParameterType* wanted = registry_->findParameterTypeByName(names[i]);
+    if (location.type != shape.parameterTypes[i]) {
+      const auto& types = registry_->parameterTypes();
       throw GraphError(fmt::format("edge {} wants a {}, but parameter {} is a {}", type.tag(),
-                                   wanted ? std::string_view(wanted->tag()) : names[i], parameters[i],
-                                   typeOf(*parameter).tag()));
+                                   types[static_cast<std::size_t>(shape.parameterTypes[i])]->tag(), parameters[i],
+                                   types[static_cast<std::size_t>(location.type)]->tag()));
     }
   }
+}
+
+ElementPool<Vertex>& Graph::vertexPool(int type) {
+  return poolOf(vertices_, *registry_->vertexTypes()[static_cast<std::size_t>(type)]);
+}
+
+void Graph::initialize(Vertex& vertex, int type, std::int64_t id) {
+  vertex.id_ = id;
+  vertex.type_ = static_cast<std::uint16_t>(type);
+}
+
+void Graph::initialize(Edge& edge, int type, std::int64_t slot, std::span<const std::int64_t> vertices,
+                       std::span<const std::int64_t> parameters) {
+  edge.ids_ = EdgeIdList(vertices, parameters);
+  edge.slot_ = static_cast<std::int32_t>(slot);
+  edge.type_ = static_cast<std::uint16_t>(type);
+  edge.alive_ = true;
 }
 
 Edge& Graph::addEdgeOf(int typeIndex, std::span<const std::int64_t> vertices,
                        std::span<const std::int64_t> parameters) {
   const EdgeType& type = *registry_->edgeTypes()[static_cast<std::size_t>(typeIndex)];
-  if (roleTypes_.size() <= static_cast<std::size_t>(typeIndex))
-    roleTypes_.resize(static_cast<std::size_t>(typeIndex) + 1);
-  std::vector<int>& roles = roleTypes_[static_cast<std::size_t>(typeIndex)];
-  if (roles.empty()) {
-    for (int role = 0; role < type.arity(); ++role) {
-      const VertexType* vertex = registry_->findVertexTypeByName(type.vertexTypeName(role));
-      if (!vertex) {
-        roles.clear();
-        throw GraphError(fmt::format("edge {} joins vertices of type {}, which is not registered", type.tag(),
-                                     type.vertexTypeName(role)));
-      }
-      roles.push_back(vertex->index());
-    }
-  }
-  checkVertices(type, vertices);
-  if (!parameters.empty() || !type.parameterTypeNames().empty()) checkParameters(type, parameters);
-  ElementPool<Edge>& pool = poolOf(edges_, type);
-  const std::int64_t slot = pool.add();
-  Edge& edge = pool.at(slot);
-  edge.slot_ = static_cast<std::int32_t>(slot);
-  edge.vertexIds_ = IdList(vertices);
-  edge.parameterIds_ = IdList(parameters);
-  edge.type_ = static_cast<std::uint16_t>(typeIndex);
-  edge.alive_ = true;
+  const EdgeShape& shape = shapeOf(type);
+  checkVertices(type, shape, vertices);
+  checkParameters(type, shape, parameters);
+  const auto [edge, slot] = shape.pool->add();
+  initialize(edge, typeIndex, slot, vertices, parameters);
   ++edgeCount_;
   return edge;
 }

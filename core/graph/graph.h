@@ -15,6 +15,10 @@
 
 namespace quiver {
 
+namespace detail {
+class BulkAdder;
+}
+
 /// Text that a file carries and that means nothing to the optimisation: comments before an element, data lines after
 /// it.
 struct Attachment {
@@ -64,7 +68,8 @@ class Graph {
   E& addEdge(std::span<const std::int64_t> vertices, const typename E::Measurement& measurement,
              const Matrix<double, E::errorDimension, E::errorDimension>& information,
              std::span<const std::int64_t> parameters = {}) {
-    checkInformation(information.data(), static_cast<int>(information.rows()));
+    if (!detail::isPlainlyDominant(information))
+      checkInformation(information.data(), static_cast<int>(information.rows()));
     E& edge = static_cast<E&>(addEdgeOf(edgeTypeIndex(typeName<E>()), vertices, parameters));
     edge.setMeasurement(measurement);
     storeInformation(edge, information);
@@ -158,6 +163,8 @@ class Graph {
   const Attachment& fileAttachment() const { return fileAttachment_; }
 
  private:
+  friend class detail::BulkAdder;
+
   template <typename Base>
   using Pools = std::vector<std::unique_ptr<ElementPool<Base>>>;
 
@@ -188,8 +195,23 @@ class Graph {
   Edge& addEdgeOf(int type, std::span<const std::int64_t> vertices, std::span<const std::int64_t> parameters);
   Parameter& addParameterOf(const ParameterType* type, std::string_view cppName, std::int64_t id);
   Vertex& checkedVertex(std::int64_t id, std::string_view cppName);
-  void checkVertices(const EdgeType& type, std::span<const std::int64_t> vertices) const;
-  void checkParameters(const EdgeType& type, std::span<const std::int64_t> parameters) const;
+  /// What an edge type joins and uses, indices of vertex and parameter types, and where its edges are.
+  struct EdgeShape {
+    std::vector<int> vertexTypes;
+    std::vector<int> parameterTypes;
+    bool variableArity = false;
+    ElementPool<Edge>* pool = nullptr;
+  };
+  /// Resolved on first use.
+  const EdgeShape& shapeOf(const EdgeType& type);
+  /// Throw GraphError unless an edge of that type may join the vertices and use the parameters. They look at no
+  /// element.
+  void checkVertices(const EdgeType& type, const EdgeShape& shape, std::span<const std::int64_t> vertices) const;
+  void checkParameters(const EdgeType& type, const EdgeShape& shape, std::span<const std::int64_t> parameters) const;
+  static void initialize(Vertex& vertex, int type, std::int64_t id);
+  static void initialize(Edge& edge, int type, std::int64_t slot, std::span<const std::int64_t> vertices,
+                         std::span<const std::int64_t> parameters);
+  ElementPool<Vertex>& vertexPool(int type);
 
   /// The C++ name looked up last and its index: adding many elements of one type looks it up once.
   struct LastType {
@@ -204,8 +226,7 @@ class Graph {
   IdMap vertexIds_;
   IdMap parameterIds_;
   std::int64_t edgeCount_ = 0;
-  /// roleTypes_[edge type][role]: index of the vertex type, resolved once.
-  std::vector<std::vector<int>> roleTypes_;
+  std::vector<EdgeShape> shapes_;  // by edge type, made when asked for; a copy makes its own
   LastType lastVertexType_;
   LastType lastEdgeType_;
   std::unordered_map<const void*, Attachment> attachments_;

@@ -247,9 +247,11 @@ class EdgeTypeOf final : public EdgeType {
   }
   void setInformation(Edge& edge, std::span<const double> triangle) const override {
     auto& store = static_cast<E&>(edge).informationStore();
-    int dimension = 0;
-    while (dimension * (dimension + 1) / 2 < static_cast<int>(triangle.size())) ++dimension;
-    store.resize(dimension);
+    if constexpr (E::errorDimension == Dynamic) {
+      int dimension = 0;
+      while (dimension * (dimension + 1) / 2 < static_cast<int>(triangle.size())) ++dimension;
+      store.resize(dimension);
+    }
     std::copy(triangle.begin(), triangle.end(), store.values().begin());
   }
   bool hasInformationField() const override {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -39,9 +40,9 @@ struct ValueFields<Eigen::Matrix<double, R, C, Options>> {
     return result;
   }
   static void read(FieldReader& reader, Value& value) {
-    for (int r = 0; r < R; ++r) {
-      for (int c = 0; c < C; ++c) value(r, c) = reader.real();
-    }
+    std::array<double, static_cast<std::size_t>(R * C)> v;
+    reader.reals(v);
+    value = Eigen::Map<const Eigen::Matrix<double, R, C, C == 1 ? Eigen::ColMajor : Eigen::RowMajor>>(v.data());
   }
   static void write(const Value& value, FieldWriter& writer) {
     for (int r = 0; r < R; ++r) {
@@ -55,9 +56,9 @@ template <>
 struct ValueFields<SE2<double>> {
   static std::vector<Field> fields() { return {{"x", "m", ""}, {"y", "m", ""}, {"theta", "rad", "counter-clockwise"}}; }
   static void read(FieldReader& reader, SE2<double>& value) {
-    const double x = reader.real();
-    const double y = reader.real();
-    value = SE2<double>(x, y, reader.real());
+    std::array<double, 3> v;
+    reader.reals(v);
+    value = SE2<double>(v[0], v[1], v[2]);
   }
   static void write(const SE2<double>& value, FieldWriter& writer) {
     writer.real(value.translation()[0]);

@@ -164,6 +164,38 @@ TEST(G2oReader, AcceptsSingularInformation) {
   EXPECT_EQ(read(poses + "EDGE_SE2 0 1 1 2 3 0 0 0 0 0 0\nEDGE_SE2 0 1 1 2 3 1 1 0 1 0 -1e-7\n").edgeCount(), 2);
 }
 
+TEST(G2oReader, TellsRepeatedInformationFromItsLike) {
+  const std::string ids = "EDGE_SE2 0 1 1 2 3 ";
+  const std::string toro = "EDGE2 0 1 1 2 3 ";
+  const Graph graph =
+      read(poses + ids + "4 1 1 5 0 1\n" + ids + "4 1 1 5 0 1\n" + ids + "4 1 1 5 0 11\n" + ids + "4  1 1 5 0 11\n" +
+           ids + "4 1 1 5 0 1\r\n" + toro + "4 1 1 5 0 1\n" + toro + "4 1 1 5 0 1\n" + ids + "4 1 1 5 0 1");
+  Matrix<double, 3, 3> plain;
+  plain << 4, 1, 1, 1, 5, 0, 1, 0, 1;
+  Matrix<double, 3, 3> larger = plain;
+  larger(2, 2) = 11;
+  Matrix<double, 3, 3> other;
+  other << 4, 1, 0, 1, 1, 1, 0, 1, 5;
+  const std::vector<const Edge*> edges = edgesOf(graph);
+  ASSERT_EQ(edges.size(), 8u);
+  const std::vector<Matrix<double, 3, 3>> expected{plain, plain, larger, larger, plain, other, other, plain};
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    EXPECT_EQ(static_cast<const Odometry2*>(edges[i])->information(), expected[i]) << i;
+}
+
+TEST(G2oReader, CountsRepeatedInformationThatIsNone) {
+  ReadReport report;
+  const std::string bad = "EDGE_SE2 0 1 1 2 3 1 2 0 1 0 7\n";
+  const Graph graph =
+      read(poses + bad + bad + edge + bad, {.information = InformationPolicy::clamp, .report = &report});
+  EXPECT_EQ(report.clampedInformation, 3);
+  const std::vector<const Edge*> edges = edgesOf(graph);
+  for (const std::size_t i : {1u, 3u}) {
+    EXPECT_EQ(static_cast<const Odometry2*>(edges[i])->information(),
+              static_cast<const Odometry2*>(edges[0])->information());
+  }
+}
+
 TEST(G2oReader, ReadsPlanarToro) {
   ReadReport report;
   const Graph graph = read("VERTEX2 0 0 0 0\nVERTEX2 1 1 0 0.5\nEDGE2 0 1 1 2 3 11 2 22 33 4 5\n", {.report = &report});

@@ -56,6 +56,23 @@ TEST(TextScanner, DoesNotReadBeyondTheEnd) {
   EXPECT_EQ(empty.nextLine(), "");
 }
 
+TEST(TextScanner, SkipsATokenThatIsKnown) {
+  const std::string text = "TAG 1 2 33\nTAGS TAG";
+  TextScanner scanner(text);
+  EXPECT_FALSE(scanner.skipToken(""));
+  EXPECT_FALSE(scanner.skipToken("TA"));
+  EXPECT_FALSE(scanner.skipToken("TAG 1 2 3"));
+  EXPECT_TRUE(scanner.skipToken("TAG 1 2"));
+  EXPECT_EQ(scanner.token(), "33");
+  scanner.nextLine();
+  EXPECT_FALSE(scanner.skipToken("TAG"));
+  EXPECT_EQ(scanner.token(), "TAGS");
+  scanner.atLineEnd();
+  EXPECT_FALSE(scanner.skipToken("TAG1"));
+  EXPECT_TRUE(scanner.skipToken("TAG"));
+  EXPECT_TRUE(scanner.atEnd());
+}
+
 TEST(TextScanner, LocatesPlaces) {
   const std::string text = "a\n\nbc d\n";
   const auto at = [&](std::size_t offset) {

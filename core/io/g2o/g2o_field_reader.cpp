@@ -31,10 +31,18 @@ double G2oFieldReader::nextReal() {
   return value;
 }
 
-double G2oFieldReader::real() { return nextReal(); }
+double G2oFieldReader::real() {
+  double value = 0.0;
+  reals({&value, 1});
+  return value;
+}
 
 void G2oFieldReader::reals(std::span<double> out) {
-  for (double& value : out) value = nextReal();
+  std::size_t done = scanner_.shortReals(source_.begin(), out, last_);
+  while (done < out.size()) {
+    out[done++] = nextReal();
+    done += scanner_.shortReals(source_.begin(), out.subspan(done), last_);
+  }
 }
 
 std::int64_t G2oFieldReader::integer() {
@@ -108,6 +116,15 @@ int G2oFieldReader::information(int dimension, std::vector<double>& triangle) {
                                     triangle.size()));
   }
   return found;
+}
+
+bool G2oFieldReader::skipInformation(int dimension, std::string_view text) {
+  scanner_.atLineEnd();
+  const char* const place = scanner_.cursor();
+  if (!scanner_.skipToken(text)) return false;
+  information_ = place;
+  informationDimension_ = dimension;
+  return true;
 }
 
 void G2oFieldReader::expectEnd() {

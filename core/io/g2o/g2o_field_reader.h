@@ -30,6 +30,12 @@ class G2oFieldReader final : public FieldReader {
   /// Reads the upper triangle of an information matrix. With `dimension` > 0 exactly that, otherwise the rest of the
   /// line; then the number of entries must be that of a triangle. Returns the dimension.
   int information(int dimension, std::vector<double>& triangle);
+  /// Moves behind the information matrix if its text is the given one (not empty), letter by letter.
+  bool skipInformation(int dimension, std::string_view text);
+  /// The information matrix read last, as text.
+  std::string_view informationText() const {
+    return {information_, static_cast<std::size_t>(scanner_.cursor() - information_)};
+  }
   /// The first token of the information matrix.
   const char* informationPlace() const { return information_; }
   /// Throws ParseError unless the line has no further token.

@@ -19,7 +19,8 @@ TagTable::TagTable(const Registry& registry) : registry_(registry) {
                                            .type = type->index(),
                                            .arity = type->arity(),
                                            .variableArity = type->variableArity(),
-                                           .parameters = static_cast<int>(type->parameterTypeNames().size())});
+                                           .parameters = static_cast<int>(type->parameterTypeNames().size()),
+                                           .informationInLine = type->hasInformationField()});
   }
   for (const auto& [alias, tag] : registry.aliases()) {
     if (const TagEntry* entry = find(tag)) entries_.emplace(alias, *entry);
@@ -60,24 +61,37 @@ std::vector<G2oChunk> cutIntoChunks(std::string_view text, std::size_t size) {
   while (!text.empty()) {
     std::size_t end = text.size() <= size ? std::string_view::npos : text.find('\n', size);
     end = end == std::string_view::npos ? text.size() : end + 1;
-    chunks.push_back({text.substr(0, end), {}, {}});
+    chunks.emplace_back().text = text.substr(0, end);
     text.remove_prefix(end);
   }
   return chunks;
 }
 
 void G2oIndexer::run() {
+  constexpr std::size_t shortLine = 48;  // room for lines of such a length, as planar files have them
+  chunk_.counts = ElementCounts(tags_.registry());
+  chunk_.lines.reserve(chunk_.text.size() / shortLine + 1);
+  chunk_.ids.reserve(2 * (chunk_.text.size() / shortLine + 1));
   while (!scanner_.atEnd()) {
     if (!scanner_.atLineEnd()) readLine();
     scanner_.nextLine();
   }
 }
 
+/// Nearly always the tag of the line before, which one comparison tells.
+std::string_view G2oIndexer::readTag() { return scanner_.skipToken(lastTag_) ? lastTag_ : scanner_.token(); }
+
+void G2oIndexer::count(const G2oLine& line) {
+  if (line.kind == LineKind::vertex || line.kind == LineKind::blankVertex)
+    ++chunk_.counts.vertices[static_cast<std::size_t>(line.entry->type)];
+  if (line.kind == LineKind::edge) ++chunk_.counts.edges[static_cast<std::size_t>(line.entry->type)];
+}
+
 void G2oIndexer::readLine() {
   G2oLine line;
   line.begin = scanner_.cursor();
   line.firstId = static_cast<std::uint32_t>(chunk_.ids.size());
-  const std::string_view tag = scanner_.token();
+  const std::string_view tag = readTag();
   if (tag.front() == '#') {
     readHash(tag, line);
   } else {
@@ -105,6 +119,7 @@ void G2oIndexer::readLine() {
   }
   line.idCount = static_cast<std::uint32_t>(chunk_.ids.size()) - line.firstId;
   if (line.kind <= LineKind::edge) line.fields = scanner_.cursor();
+  count(line);
   chunk_.lines.push_back(line);
 }
 
@@ -130,7 +145,7 @@ void G2oIndexer::readHash(std::string_view word, G2oLine& line) {
 }
 
 const TagEntry* G2oIndexer::lookUp(std::string_view tag) {
-  if (tag != lastTag_) {
+  if (tag.data() != lastTag_.data() && tag != lastTag_) {
     lastEntry_ = tags_.find(tag);
     lastTag_ = tag;
   }

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
 
+#include <quiver/core/graph/bulk_adder.h>
 #include <quiver/core/io/text/source_text.h>
 #include <quiver/core/io/text/text_scanner.h>
 #include <quiver/core/registry/registry.h>
@@ -48,6 +50,8 @@ struct TagEntry {
   int arity = 0;
   bool variableArity = false;
   int parameters = 0;
+  /// Edges only: whether the line carries the information matrix.
+  bool informationInLine = true;
 };
 
 /// Every tag a file may use, with what reading its lines needs. Immutable after construction, so threads share it.
@@ -88,6 +92,10 @@ struct G2oChunk {
   std::string_view text;
   std::vector<G2oLine> lines;
   std::vector<std::int64_t> ids;
+  /// Of the lines that are vertices and edges.
+  ElementCounts counts;
+
+  std::span<const std::int64_t> idsOf(const G2oLine& line) const { return {ids.data() + line.firstId, line.idCount}; }
 };
 
 /// Takes one chunk apart. Thread safe for different chunks.
@@ -96,13 +104,15 @@ class G2oIndexer {
   G2oIndexer(const SourceText& source, const TagTable& tags, bool refuseUnknown, G2oChunk& chunk)
       : source_(source), tags_(tags), refuseUnknown_(refuseUnknown), chunk_(chunk), scanner_(chunk.text) {}
 
-  /// Fills chunk.lines and chunk.ids. Throws ParseError at the first line whose tag or ids are wrong; the lines before
+  /// Fills the chunk. Throws ParseError at the first line whose tag or ids are wrong; the lines before
   /// it are kept.
   void run();
 
  private:
   void readLine();
+  std::string_view readTag();
   void readHash(std::string_view word, G2oLine& line);
+  void count(const G2oLine& line);
   const TagEntry* lookUp(std::string_view tag);
   void readEdgeIds(const TagEntry& entry, std::string_view tag);
   void readFixIds();

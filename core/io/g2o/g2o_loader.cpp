@@ -1,43 +1,29 @@
 #include <algorithm>
-#include <array>
-#include <atomic>
-#include <exception>
 #include <map>
-#include <new>
-#include <stdexcept>
-#include <thread>
 #include <unordered_set>
 
 #include <fmt/format.h>
 
 #include <quiver/core/io/g2o/g2o_annotations.h>
 #include <quiver/core/io/g2o/g2o_loader.h>
-#include <quiver/core/io/toro/bearing_range.h>
 #include <quiver/core/util/parallel.h>
 
 namespace quiver::detail {
 namespace {
 
-constexpr std::size_t chunkSize = std::size_t{1} << 15;
+/// Small chunks share the work of small files evenly; the elements of a chunk fit into the cache.
+constexpr std::size_t leastChunk = std::size_t{1} << 14;
+constexpr std::size_t largestChunk = std::size_t{1} << 18;
+constexpr std::size_t fewChunks = 48;
+
+std::size_t chunkSize(std::size_t bytes) { return std::clamp(bytes / fewChunks, leastChunk, largestChunk); }
+
 /// Text that a thread takes some tenths of a millisecond for: with less, waking it up costs more than it gains.
 constexpr std::size_t bytesPerThread = std::size_t{1} << 17;
 
 int usefulThreads(int asked, std::size_t bytes) {
   const std::size_t useful = std::max<std::size_t>(1, bytes / bytesPerThread);
   return static_cast<int>(std::min(static_cast<std::size_t>(asked > 0 ? asked : hardwareThreads()), useful));
-}
-
-/// I11 I12 I22 I33 I13 I23 to the rows of the upper triangle.
-void reorderToro(std::vector<double>& triangle) {
-  if (triangle.size() != 6) return;
-  triangle = {triangle[0], triangle[1], triangle[4], triangle[2], triangle[5], triangle[3]};
-}
-
-/// n with n (n + 1) / 2 = entries.
-int triangleDimension(std::size_t entries) {
-  int n = 0;
-  for (std::size_t sum = 0; sum < entries; sum += static_cast<std::size_t>(++n)) continue;
-  return n;
 }
 
 std::string_view withoutByteOrderMark(std::string_view text) {
@@ -53,17 +39,11 @@ G2oLoader::G2oLoader(const SourceText& source, std::shared_ptr<const Registry> r
       tags_(*registry),
       threads_(usefulThreads(options.threads, source.text.size())),
       graph_(std::move(registry)),
-      chunks_(cutIntoChunks(withoutByteOrderMark(source.text), chunkSize)) {}
+      chunks_(cutIntoChunks(withoutByteOrderMark(source.text), chunkSize(source.text.size()))) {}
 
 Graph G2oLoader::load() {
-  try {
-    index();
-    addVertices();
-  } catch (const ParseError& error) {
-    checkFieldsBefore(error.line());
-    throw;
-  }
-  addEdgesAndReadFields();
+  index();
+  addElements();
   G2oAnnotations annotations(source_, options_, graph_);
   for (const G2oChunk& chunk : chunks_) annotations.apply(chunk);
   annotations.finish();
@@ -99,28 +79,34 @@ void G2oLoader::index() {
     }
   });
   for (const auto& error : errors) {
-    if (error) throw *error;
+    if (!error) continue;
+    checkFieldsBefore(error->line());
+    throw *error;
   }
 }
 
-void G2oLoader::addVertices() {
+void G2oLoader::nameVertices(BulkAdder& adder) {
   const Registry& registry = tags_.registry();
+  const auto refuse = [&](const G2oLine& line, std::int64_t id, const char* what) {
+    const ParseError error = duplicate(line, id, what);
+    checkFieldsBefore(error.line());
+    throw error;
+  };
   bool anyVertex = false;
   for (G2oChunk& chunk : chunks_) {
     for (G2oLine& line : chunk.lines) {
       if (line.kind > LineKind::blankVertex) continue;
-      const std::int64_t id = idsOf(chunk, line).front();
-      const auto type = static_cast<std::size_t>(line.entry->type);
+      const std::int64_t id = chunk.idsOf(line).front();
       if (line.kind == LineKind::parameter) {
-        if (graph_.findParameter(id)) throw duplicate(line, id, "parameter");
-        line.element = &graph_.addParameter(*registry.parameterTypes()[type], id);
+        if (graph_.findParameter(id)) refuse(line, id, "parameter");
+        line.element = &graph_.addParameter(*registry.parameterTypes()[static_cast<std::size_t>(line.entry->type)], id);
       } else {
-        if (graph_.findVertex(id)) throw duplicate(line, id, "vertex");
-        line.element = &graph_.addVertex(*registry.vertexTypes()[type], id);
+        if (!adder.nameVertex(line.entry->type, id)) refuse(line, id, "vertex");
         anyVertex = true;
       }
     }
   }
+  adder.open();
   addVerticesOfEdges(!anyVertex);
 }
 
@@ -132,7 +118,7 @@ void G2oLoader::addVerticesOfEdges(bool allEdges) {
       const bool landmark = line.kind == LineKind::edge && line.entry->dialect == LineDialect::bearingRange;
       if (line.kind != LineKind::edge || !(allEdges || landmark)) continue;
       const EdgeType& type = *registry.edgeTypes()[static_cast<std::size_t>(line.entry->type)];
-      const auto ids = idsOf(chunk, line);
+      const auto ids = chunk.idsOf(line);
       const int count = static_cast<int>(ids.size()) - line.entry->parameters;
       for (int role = allEdges ? 0 : 1; role < count; ++role) {
         const std::int64_t id = ids[static_cast<std::size_t>(role)];
@@ -144,54 +130,61 @@ void G2oLoader::addVerticesOfEdges(bool allEdges) {
   }
 }
 
-void G2oLoader::addEdges(G2oChunk& chunk) {
-  const Registry& registry = tags_.registry();
-  for (G2oLine& line : chunk.lines) {
-    if (line.kind != LineKind::edge) continue;
-    const auto ids = idsOf(chunk, line);
-    const std::size_t vertices = ids.size() - static_cast<std::size_t>(line.entry->parameters);
+void G2oLoader::addElements() {
+  std::vector<ElementCounts> counts;
+  counts.reserve(chunks_.size());
+  for (G2oChunk& chunk : chunks_) counts.push_back(std::move(chunk.counts));
+  BulkAdder adder(graph_, std::move(counts));
+  nameVertices(adder);
+  std::vector<ChunkResult> results(chunks_.size());
+  parallelFor(static_cast<std::int64_t>(chunks_.size()), threads_, [&](std::int64_t i) {
+    const auto k = static_cast<std::size_t>(i);
     try {
-      line.element = &graph_.addEdge(*registry.edgeTypes()[static_cast<std::size_t>(line.entry->type)],
-                                     ids.first(vertices), ids.subspan(vertices));
-    } catch (const GraphError& error) {
-      throw edgeError(line, ids, error.what());
+      fillChunk(k, adder, results[k]);
+    } catch (const ParseError& error) {
+      results[k].error = error;
+    } catch (...) {
+      results[k].failure = std::current_exception();
     }
-  }
+  });
+  report(results);
+  adder.finish();
 }
 
-/// Edges are added one after the other, in the order of the file, by the first task; the others read the fields of
-/// chunks whose edges are there. Tasks are taken in order, so whoever waits waits for a task that has begun.
-void G2oLoader::addEdgesAndReadFields() {
-  std::vector<FieldPass> passes(chunks_.size());
-  std::optional<ParseError> refused;
-  std::exception_ptr failure;
-  std::atomic<std::size_t> ready{0};
-  const auto addAll = [&] {
-    try {
-      for (G2oChunk& chunk : chunks_) {
-        addEdges(chunk);
-        ready.fetch_add(1, std::memory_order_release);
+void G2oLoader::fillChunk(std::size_t chunk, BulkAdder& adder, ChunkResult& result) {
+  adder.begin(chunk);
+  G2oElementReader reader(source_, tags_, options_);
+  for (G2oLine& line : chunks_[chunk].lines) {
+    if (line.kind > LineKind::edge) continue;
+    const auto ids = chunks_[chunk].idsOf(line);
+    if (line.kind == LineKind::edge) {
+      const std::size_t vertices = ids.size() - static_cast<std::size_t>(line.entry->parameters);
+      try {
+        line.element = &adder.addEdge(chunk, line.entry->type, ids.first(vertices), ids.subspan(vertices));
+      } catch (const GraphError& error) {
+        result.refusedEdge = &line;
+        result.refusal = error.what();
+        return;
       }
-    } catch (const ParseError& error) {
-      refused = error;
-    } catch (...) {
-      failure = std::current_exception();
+    } else if (line.kind != LineKind::parameter) {
+      line.element = &adder.addVertex(chunk, line.entry->type, ids.front());
     }
-    ready.store(chunks_.size(), std::memory_order_release);
-  };
-  const auto count = static_cast<std::int64_t>(chunks_.size());
-  parallelFor(count + 1, threads_, [&](std::int64_t task) {
-    if (task == 0) return addAll();
-    const auto k = static_cast<std::size_t>(task - 1);
-    while (ready.load(std::memory_order_acquire) <= k) std::this_thread::yield();
-    readFields(k, passes[k]);
-  });
-  if (failure) std::rethrow_exception(failure);
-  if (refused) {
-    checkFieldsBefore(refused->line());
-    throw *refused;
+    reader.read(line, line.element);
   }
-  report(passes);
+  result.faults = reader.faults();
+}
+
+void G2oLoader::report(const std::vector<ChunkResult>& results) const {
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    const ChunkResult& result = results[k];
+    if (result.refusedEdge) throw edgeError(*result.refusedEdge, chunks_[k].idsOf(*result.refusedEdge), result.refusal);
+    if (result.error) throw *result.error;
+    if (result.failure) std::rethrow_exception(result.failure);
+  }
+  refuseInformation(results);
+  if (options_.report) {
+    for (const ChunkResult& result : results) options_.report->clampedInformation += result.faults.clamped;
+  }
 }
 
 ParseError G2oLoader::duplicate(const G2oLine& line, std::int64_t id, const char* what) const {
@@ -201,7 +194,7 @@ ParseError G2oLoader::duplicate(const G2oLine& line, std::int64_t id, const char
     for (const G2oLine& other : chunk.lines) {
       const bool alike = parameter ? other.kind == LineKind::parameter
                                    : other.kind == LineKind::vertex || other.kind == LineKind::blankVertex;
-      if (first == 0 && alike && idsOf(chunk, other).front() == id) first = source_.lineOf(other.begin);
+      if (first == 0 && alike && chunk.idsOf(other).front() == id) first = source_.lineOf(other.begin);
     }
   }
   const int idToken = line.kind == LineKind::blankVertex ? 3 : 1;
@@ -235,105 +228,12 @@ ParseError G2oLoader::edgeError(const G2oLine& line, std::span<const std::int64_
   return source_.error(line.begin, message);
 }
 
-void G2oLoader::readFields(std::size_t chunk, FieldPass& pass) const {
-  try {
-    for (const G2oLine& line : chunks_[chunk].lines) {
-      if (line.element) readElement(line, line.element, pass);
-    }
-  } catch (const ParseError& error) {
-    pass.error = error;
-  }
-}
-
-void G2oLoader::report(const std::vector<FieldPass>& passes) const {
-  for (const FieldPass& pass : passes) {
-    if (pass.error) throw *pass.error;
-  }
-  refuseInformation(passes);
-  if (options_.report) {
-    for (const FieldPass& pass : passes) options_.report->clampedInformation += pass.clamped;
-  }
-}
-
-void G2oLoader::readElement(const G2oLine& line, void* element, FieldPass& pass) const {
-  const Registry& registry = tags_.registry();
-  const auto index = static_cast<std::size_t>(line.entry->type);
-  G2oFieldReader reader(source_, tags_.elementType(*line.entry), line.begin, line.fields);
-  try {
-    if (line.kind == LineKind::parameter) {
-      registry.parameterTypes()[index]->read(reader, *static_cast<Parameter*>(element));
-    } else if (line.kind == LineKind::vertex) {
-      Vertex& vertex = *static_cast<Vertex*>(element);
-      registry.vertexTypes()[index]->read(reader, vertex);
-      vertex.setHasEstimate(true);
-    } else if (line.kind == LineKind::edge && line.entry->dialect == LineDialect::bearingRange) {
-      readBearingRange(*registry.edgeTypes()[index], reader, *static_cast<Edge*>(element));
-    } else if (line.kind == LineKind::edge) {
-      const EdgeType& type = *registry.edgeTypes()[index];
-      Edge& edge = *static_cast<Edge*>(element);
-      if (type.errorDimension() == Dynamic) refuseHopeless(line);
-      type.read(reader, edge);
-      if (type.hasInformationField()) {
-        readInformation(type, edge, line.entry->dialect == LineDialect::toro, reader, pass);
-      } else {
-        const std::span<const double> made = type.information(edge);
-        pass.triangle.assign(made.begin(), made.end());
-        checkInformation(type, edge, line.fields, pass);
-      }
-      type.readTail(reader, edge);
-    }
-  } catch (const ParseError&) {
-    throw;
-  } catch (const Error& error) {
-    reader.fail(error.what());
-  } catch (const std::bad_alloc&) {
-    reader.fail("this needs more memory than there is");
-  } catch (const std::length_error&) {
-    reader.fail("this needs more memory than there is");
-  }
-  reader.expectEnd();
-}
-
-/// An edge over very many vertices asks for an information matrix of that many rows at least: a line too short for it
-/// is refused before its type reserves memory for the square of a number that anybody can write.
-void G2oLoader::refuseHopeless(const G2oLine& line) const {
-  constexpr std::size_t many = 1000;
-  const std::size_t vertices = line.idCount;
-  if (vertices <= many) return;
-  TextScanner rest(std::string_view(line.fields, static_cast<std::size_t>(source_.end() - line.fields)));
-  if (rest.nextLine().size() / vertices < vertices) {
-    throw source_.endsEarly(line.fields, fmt::format("the information matrix for {} vertices is missing", vertices));
-  }
-}
-
-void G2oLoader::readInformation(const EdgeType& type, Edge& edge, bool toro, G2oFieldReader& reader,
-                                FieldPass& pass) const {
-  const int fixed = type.errorDimension();
-  reader.information(fixed != Dynamic ? fixed : type.errorDimension(edge), pass.triangle);
-  if (toro) reorderToro(pass.triangle);
-  checkInformation(type, edge, reader.informationPlace(), pass);
-}
-
-void G2oLoader::checkInformation(const EdgeType& type, Edge& edge, const char* place, FieldPass& pass) const {
-  const int dimension = triangleDimension(pass.triangle.size());
-  if (!pass.check.accepts(pass.triangle, dimension)) {
-    if (options_.information == InformationPolicy::clamp) {
-      clampInformation(pass.triangle, dimension);
-      ++pass.clamped;
-    } else if (pass.refused++ == 0) {
-      pass.firstRefused = place;
-      pass.firstRange = eigenvalueRange(pass.triangle, dimension);
-    }
-  }
-  type.setInformation(edge, pass.triangle);
-}
-
-void G2oLoader::refuseInformation(const std::vector<FieldPass>& passes) const {
+void G2oLoader::refuseInformation(const std::vector<ChunkResult>& results) const {
   std::int64_t count = 0;
-  const FieldPass* first = nullptr;
-  for (const FieldPass& pass : passes) {
-    if (pass.refused > 0 && !first) first = &pass;
-    count += pass.refused;
+  const InformationFaults* first = nullptr;
+  for (const ChunkResult& result : results) {
+    if (result.faults.refused > 0 && !first) first = &result.faults;
+    count += result.faults.refused;
   }
   if (!first) return;
   throw source_.error(
@@ -344,7 +244,7 @@ void G2oLoader::refuseInformation(const std::vector<FieldPass>& passes) const {
 }
 
 void G2oLoader::checkFieldsBefore(std::int64_t line) const {
-  FieldPass pass;
+  G2oElementReader reader(source_, tags_, options_);
   const Registry& registry = tags_.registry();
   std::map<const TagEntry*, std::shared_ptr<void>> pools;
   const auto readScratch = [&]<typename Base>(const G2oLine& entry, const auto& types, Base*) {
@@ -352,8 +252,8 @@ void G2oLoader::checkFieldsBefore(std::int64_t line) const {
     if (!pool)
       pool = std::shared_ptr<ElementPool<Base>>(types[static_cast<std::size_t>(entry.entry->type)]->makePool());
     auto& typed = *static_cast<ElementPool<Base>*>(pool.get());
-    const std::int64_t slot = typed.add();
-    readElement(entry, &typed.at(slot), pass);
+    const auto [element, slot] = typed.add();
+    reader.read(entry, &element);
     typed.remove(slot);
   };
   const char* const stop = source_.linePlace(line);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -36,6 +37,25 @@ EigenvalueRange scaledRange(std::span<const double> triangle, int dimension, dou
   return {solver.eigenvalues()[0], solver.eigenvalues()[dimension - 1]};
 }
 
+/// Whether each diagonal entry is at least the sum of the magnitudes beside it, so that no eigenvalue is negative
+/// (Gershgorin). Small matrices only; says no of others.
+bool isDominant(std::span<const double> triangle, std::size_t dimension) {
+  std::array<double, 8> excess{};  // of the diagonal
+  if (dimension > excess.size()) return false;
+  const double* value = triangle.data();
+  for (std::size_t r = 0; r < dimension; ++r) {
+    excess[r] += *value++;
+    for (std::size_t c = r + 1; c < dimension; ++c) {
+      const double magnitude = std::abs(*value++);
+      excess[r] -= magnitude;
+      excess[c] -= magnitude;
+    }
+  }
+  double least = 0.0;
+  for (std::size_t r = 0; r < dimension; ++r) least = std::min(least, excess[r]);
+  return least == 0.0;
+}
+
 bool sameBits(std::span<const double> a, std::span<const double> b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
 }
@@ -43,7 +63,8 @@ bool sameBits(std::span<const double> a, std::span<const double> b) {
 }  // namespace
 
 bool InformationCheck::accepts(std::span<const double> triangle, int dimension) {
-  if (triangle.empty() || sameBits(triangle, accepted_)) return true;
+  if (triangle.empty() || isDominant(triangle, static_cast<std::size_t>(dimension))) return true;
+  if (sameBits(triangle, accepted_)) return true;
   if (!factorizes(triangle, dimension)) {
     const EigenvalueRange range = scaledRange(triangle, dimension, largestMagnitude(triangle));
     if (range.least < -tolerance * std::max(range.most, 0.0)) return false;

@@ -16,7 +16,8 @@ struct EigenvalueRange {
 /// repeat them.
 class InformationCheck {
  public:
-  /// A Cholesky factorisation decides nearly always, eigenvalues where it does not. O(dimension³).
+  /// Diagonal dominance decides mostly, a Cholesky factorisation nearly always, eigenvalues where neither does.
+  /// O(dimension³).
   bool accepts(std::span<const double> triangle, int dimension);
 
  private:

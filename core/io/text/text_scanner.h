@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <string_view>
 
-#include <quiver/core/io/text/number_parser.h>
+#include <quiver/core/io/text/short_decimal.h>
 
 namespace quiver {
 
@@ -67,6 +68,16 @@ class TextScanner {
     return {begin, static_cast<std::size_t>(cursor_ - begin)};
   }
 
+  /// Whether the text goes on with `token` (not empty) and the token ends there; then moves behind it.
+  bool skipToken(std::string_view token) {
+    const std::size_t size = token.size();
+    const auto left = static_cast<std::size_t>(end_ - cursor_);
+    if (size == 0 || left < size || std::memcmp(cursor_, token.data(), size) != 0) return false;
+    if (left > size && !isSeparator(cursor_[size])) return false;
+    cursor_ += size;
+    return true;
+  }
+
   /// The next token as a number. If it is none, the cursor stays before it and the status says why; at the end of the
   /// line that is `notANumber`.
   NumberStatus real(double& value) {
@@ -74,6 +85,33 @@ class TextScanner {
   }
   NumberStatus integer(std::int64_t& value) {
     return number([](auto... range) { return parseInteger(range...); }, value);
+  }
+
+  /// Reads numbers of the common short form (see shortDecimal) as long as there are any, at most out.size() of them;
+  /// returns how many. `last` is set to the place of the last one. `begin` is where readable memory begins.
+  std::size_t shortReals([[maybe_unused]] const char* begin, [[maybe_unused]] std::span<double> out,
+                         [[maybe_unused]] const char*& last) {
+    std::size_t count = 0;
+#ifdef __SSE2__
+    if (cursor_ - begin < detail::shortDecimalMargin) return 0;
+    const char* const lastSafe = end_ - std::min<std::ptrdiff_t>(end_ - cursor_, detail::shortDecimalMargin);
+    const char* place = cursor_;
+    for (; count < out.size(); ++count) {
+      while (place < lastSafe && isBlank(*place)) ++place;
+      if (place >= lastSafe) break;
+      const char* next = place + 1;
+      if (*next == ' ' && detail::isDigit(*place)) {
+        out[count] = *place - '0';  // a matrix's zeros and ones
+      } else {
+        next = detail::shortDecimal(place, out[count]);
+        if (!next) break;
+      }
+      last = place;
+      place = next;
+      cursor_ = next;
+    }
+#endif
+    return count;
   }
 
   /// The rest of the line without its end, and moves to the next one.
