@@ -266,13 +266,14 @@ void addPiece(const EdgeSource& source, std::int64_t piece, std::int64_t pieces,
 /// Whether the first edges of a problem of one variable hold all its directions beyond doubt, as a few pixels of known
 /// points do for the pose of one camera: the pivots of their JᵀJ, scaled to a unit diagonal, are clearly positive.
 bool clearlyHeld(const Problem& problem) {
+  constexpr int few = 2 * Panel::lanes;
   const EdgeBatch& batch = problem.batch(0);
   if (!batch.uniform()) return false;
   const EdgeShape shape = batch.largestShape();
-  const int count = std::min(batch.size(), Panel::capacity);
+  const int count = std::min(batch.size(), few);
   const int dimension = problem.dimension(0);
   PanelBuffer buffer(shape);
-  std::int32_t ids[Panel::capacity];
+  std::int32_t ids[few];
   std::iota(ids, ids + count, 0);
   batch.linearize(problem.state(), {ids, static_cast<std::size_t>(count)}, buffer.panel());
   Eigen::MatrixXd square = Eigen::MatrixXd::Zero(dimension, dimension);

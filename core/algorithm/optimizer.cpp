@@ -88,9 +88,7 @@ std::string describeExcess(std::int64_t bytes, const Options& options) {
 
 bool hasRobustKernel(const Problem& problem) {
   for (int b = 0; b < problem.batches(); ++b) {
-    for (int i = 0; i < problem.batch(b).size(); ++i) {
-      if (problem.batch(b).edge(i).robustKernel()) return true;
-    }
+    if (problem.batch(b).robust()) return true;
   }
   return false;
 }

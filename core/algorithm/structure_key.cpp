@@ -24,6 +24,7 @@ class Hash {
 
 StructureKey::StructureKey(const Graph& graph, const Options& options, int threads)
     : graph_(&graph),
+      stamp_(graph.stamp()),
       vertices_(graph.vertexCount()),
       edges_(graph.edgeCount()),
       threads_(threads),
@@ -37,17 +38,10 @@ StructureKey::StructureKey(const Graph& graph, const Options& options, int threa
       memoryLimit_(options.memoryLimit) {
   Hash hash;
   graph.forEachVertex([&](const Vertex& vertex) {
-    hash.add(static_cast<std::uint64_t>(vertex.id()));
     hash.add(vertex.fixedDirections());
-    hash.add(static_cast<std::uint64_t>(vertex.type()) << 1 | static_cast<std::uint64_t>(vertex.hasEstimate()));
-    hash.add(reinterpret_cast<std::uintptr_t>(&vertex));
+    hash.add(static_cast<std::uint64_t>(vertex.hasEstimate()));
   });
-  graph.forEachEdge([&](const Edge& edge) {
-    for (const std::int64_t id : edge.vertexIds()) hash.add(static_cast<std::uint64_t>(id));
-    for (const std::int64_t id : edge.parameterIds()) hash.add(static_cast<std::uint64_t>(id));
-    hash.add(static_cast<std::uint64_t>(edge.level()) << 16 | static_cast<std::uint64_t>(edge.type()));
-    hash.add(reinterpret_cast<std::uintptr_t>(&edge));
-  });
+  graph.forEachEdge([&](const Edge& edge) { hash.add(static_cast<std::uint64_t>(edge.level())); });
   hash_[0] = hash.first();
   hash_[1] = hash.second();
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <quiver/core/algorithm/options.h>
@@ -10,8 +11,8 @@
 namespace quiver {
 
 /// Everything that a compiled problem and its linear system depend on besides numbers: two equal keys mean that what
-/// was compiled for one serves the other. The elements enter by a 128-bit hash of ids, types, levels, fixed directions
-/// and addresses.
+/// was compiled for one serves the other. Which elements there are, the graph's stamp and their numbers tell; what can
+/// change of them, fixed directions, levels and whether there is an estimate, enters by a 128-bit hash.
 class StructureKey {
  public:
   StructureKey() = default;
@@ -22,6 +23,7 @@ class StructureKey {
 
  private:
   const Graph* graph_ = nullptr;
+  std::pair<std::int64_t, std::int64_t> stamp_;
   std::int64_t vertices_ = 0;
   std::int64_t edges_ = 0;
   std::uint64_t hash_[2] = {0, 0};

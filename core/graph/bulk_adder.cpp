@@ -92,7 +92,7 @@ Edge& BulkAdder::addEdge(std::size_t part, int type, std::span<const std::int64_
   graph_.checkParameters(descriptor, shape, parameters);
   const std::int64_t slot = parts_[part].slots.edges[t]++;
   Edge& edge = edgePools_[t]->at(slot);
-  Graph::initialize(edge, type, slot, vertices, parameters);
+  graph_.initialize(edge, type, slot, vertices, parameters);
   return edge;
 }
 

@@ -24,7 +24,10 @@ class Edge {
   std::span<const std::int64_t> parameterIds() const { return ids_.parameters(); }
 
   /// Replaces eᵀΩe by ρ(eᵀΩe) in the cost; `RobustKernel()` removes it.
-  void setRobustKernel(const RobustKernel& kernel) { kernel_ = kernel; }
+  void setRobustKernel(const RobustKernel& kernel) {
+    kernel_ = kernel;
+    countChange();
+  }
   const RobustKernel& robustKernel() const { return kernel_; }
 
   /// Edges of one level are optimised together; 0 unless set.
@@ -34,14 +37,22 @@ class Edge {
   /// Index of its type in the registry of its graph.
   int type() const { return type_; }
 
+  /// Another number after every change of the measurement, the information or the kernel, and for every edge that was
+  /// at this address of this graph: what was compiled from the edge is good as long as the number is the same.
+  std::uint64_t changes() const { return changes_; }
+
+ protected:
+  void countChange() { ++changes_; }
+
  private:
   friend class Graph;
   EdgeIdList ids_;
-  RobustKernel kernel_;
+  std::uint64_t changes_ = 0;
   std::int32_t level_ = 0;
   std::int32_t slot_ = -1;
   std::uint16_t type_ = 0;
   bool alive_ = false;
+  RobustKernel kernel_;
 };
 
 /// The last of an edge's vertex types: any number (≥ 1) of vertices of that type. `computeError` takes `std::span<const
@@ -144,7 +155,10 @@ class BaseEdge : public Edge {
   static constexpr int errorDimension = N;
 
   M measurement() const { return measurement_.get(); }
-  void setMeasurement(const M& measurement) { measurement_.set(measurement); }
+  void setMeasurement(const M& measurement) {
+    measurement_.set(measurement);
+    countChange();
+  }
 
   /// Ω, symmetric positive semi-definite, dimension × dimension, in the order of the error vector. Always checked when
   /// set through the graph.
@@ -162,7 +176,11 @@ class BaseEdge : public Edge {
   void setInformation(const Matrix<double, N, N>& information);
 
   const detail::MeasurementStore<M>& measurementStore() const { return measurement_; }
-  detail::TriangleStore<N>& informationStore() { return information_; }
+  /// To be written at once: later changes through the reference go unnoticed.
+  detail::TriangleStore<N>& informationStore() {
+    countChange();
+    return information_;
+  }
   const detail::TriangleStore<N>& informationStore() const { return information_; }
 
  private:
@@ -178,6 +196,7 @@ template <typename Derived, int N, typename M, typename... Vertices>
 void BaseEdge<Derived, N, M, Vertices...>::setInformation(const Matrix<double, N, N>& information) {
   const int n = static_cast<int>(information.rows());
   if (!detail::isPlainlyDominant(information)) checkInformation(information.data(), n);
+  countChange();
   information_.resize(n);
   std::size_t k = 0;
   for (int r = 0; r < n; ++r) {

@@ -98,6 +98,8 @@ Graph& Graph::operator=(Graph&& other) noexcept {
   std::swap(attachments_, other.attachments_);
   std::swap(fileAttachment_, other.fileAttachment_);
   std::swap(registry_, other.registry_);
+  stamp_ = Stamp();
+  other.stamp_ = Stamp();
   return *this;
 }
 Graph::~Graph() = default;
@@ -221,8 +223,9 @@ void Graph::initialize(Vertex& vertex, int type, std::int64_t id) {
 }
 
 void Graph::initialize(Edge& edge, int type, std::int64_t slot, std::span<const std::int64_t> vertices,
-                       std::span<const std::int64_t> parameters) {
+                       std::span<const std::int64_t> parameters) const {
   edge.ids_ = EdgeIdList(vertices, parameters);
+  edge.changes_ = std::uint64_t{stamp_.removals} << 32;
   edge.slot_ = static_cast<std::int32_t>(slot);
   edge.type_ = static_cast<std::uint16_t>(type);
   edge.alive_ = true;
@@ -274,6 +277,7 @@ void Graph::removeVertex(std::int64_t id) {
   ElementPool<Vertex>& pool = *vertices_[static_cast<std::size_t>(location.type)];
   attachments_.erase(&pool.at(location.slot));
   pool.remove(location.slot);
+  ++stamp_.removals;
   vertexIds_.erase(id);
 }
 
@@ -284,6 +288,7 @@ void Graph::removeEdge(Edge& edge) {
   }
   attachments_.erase(&edge);
   pool->remove(edge.slot_);
+  ++stamp_.removals;
   --edgeCount_;
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <quiver/core/graph/edge.h>
@@ -124,6 +126,9 @@ class Graph {
   std::int64_t vertexCount() const { return vertexIds_.size(); }
   std::int64_t edgeCount() const { return edgeCount_; }
   std::int64_t parameterCount() const { return parameterIds_.size(); }
+  /// Of two numbers pairs read at different times from what was at one address: equal only if it was the same graph and
+  /// nothing was removed from it meanwhile.
+  std::pair<std::int64_t, std::int64_t> stamp() const { return {stamp_.born, stamp_.removals}; }
 
   /// Calls visit(vertex) for every vertex, type by type, each type in the order of insertion (removed slots are
   /// reused).
@@ -165,6 +170,21 @@ class Graph {
  private:
   friend class detail::BulkAdder;
 
+  /// Tells what is at one address after each other apart: graphs by the time at which they came to be there, edges by
+  /// the number of removals before, one of which freed their place.
+  struct Stamp {
+    Stamp() : born(std::chrono::steady_clock::now().time_since_epoch().count()) {}
+    Stamp(const Stamp&) : Stamp() {}
+    Stamp& operator=(const Stamp&) {
+      *this = Stamp();
+      return *this;
+    }
+    Stamp& operator=(Stamp&&) = default;
+    bool operator==(const Stamp&) const = default;
+    std::int64_t born;
+    std::uint32_t removals = 0;
+  };
+
   template <typename Base>
   using Pools = std::vector<std::unique_ptr<ElementPool<Base>>>;
 
@@ -182,10 +202,11 @@ class Graph {
   template <typename E>
   static void storeInformation(E& edge, const Matrix<double, E::errorDimension, E::errorDimension>& information) {
     const int n = static_cast<int>(information.rows());
-    edge.informationStore().resize(n);
+    auto& store = edge.informationStore();
+    store.resize(n);
     std::size_t k = 0;
     for (int r = 0; r < n; ++r) {
-      for (int c = r; c < n; ++c) edge.informationStore().values()[k++] = information(r, c);
+      for (int c = r; c < n; ++c) store.values()[k++] = information(r, c);
     }
   }
 
@@ -209,8 +230,8 @@ class Graph {
   void checkVertices(const EdgeType& type, const EdgeShape& shape, std::span<const std::int64_t> vertices) const;
   void checkParameters(const EdgeType& type, const EdgeShape& shape, std::span<const std::int64_t> parameters) const;
   static void initialize(Vertex& vertex, int type, std::int64_t id);
-  static void initialize(Edge& edge, int type, std::int64_t slot, std::span<const std::int64_t> vertices,
-                         std::span<const std::int64_t> parameters);
+  void initialize(Edge& edge, int type, std::int64_t slot, std::span<const std::int64_t> vertices,
+                  std::span<const std::int64_t> parameters) const;
   ElementPool<Vertex>& vertexPool(int type);
 
   /// The C++ name looked up last and its index: adding many elements of one type looks it up once.
@@ -226,6 +247,7 @@ class Graph {
   IdMap vertexIds_;
   IdMap parameterIds_;
   std::int64_t edgeCount_ = 0;
+  Stamp stamp_;
   std::vector<EdgeShape> shapes_;  // by edge type, made when asked for; a copy makes its own
   LastType lastVertexType_;
   LastType lastEdgeType_;

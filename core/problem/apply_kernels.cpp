@@ -68,6 +68,22 @@ inline void scaleLanes(double* values, int entries, std::size_t groups, const do
   }
 }
 
+/// Square roots of weights, none below zero.
+template <typename L>
+inline void rootLanes(const double* weights, std::size_t groups, double* roots) {
+  for (std::size_t g = 0; g < groups; ++g, weights += lanes, roots += lanes) {
+    L weight;
+    loadLanes(weights, weight);
+    storeLanes(sqrt(max(weight, L(0.0))), roots);
+  }
+}
+QUIVER_BATCH_LOOP_AVX2 void rootLanesAvx2(const double* weights, std::size_t groups, double* roots) {
+  rootLanes<Lanes<isa::Avx2>>(weights, groups, roots);
+}
+QUIVER_BATCH_LOOP_GENERIC void rootLanesGeneric(const double* weights, std::size_t groups, double* roots) {
+  rootLanes<Lanes<isa::Generic>>(weights, groups, roots);
+}
+
 /// Blocks and residuals times a factor an edge.
 template <typename L>
 inline void scalePanel(const Panel& panel, std::size_t groups, int rows, std::span<const int> columns,
@@ -120,11 +136,12 @@ void applyKernels(const Panel& panel, const BatchKernels& kernels, std::span<con
   const bool secondOrder = correction == RobustCorrection::second;
   evaluateKernels(panel, kernels, edges, secondOrder ? second : nullptr);
   if (!correction) return;
+  static const bool wide = detectInstructionSet() != InstructionSet::generic;
+  const std::size_t groups = (count + lanes - 1) / lanes;
   Factors factors;
-  for (std::size_t i = 0; i < count; ++i) factors.roots[i] = std::sqrt(std::max(panel.weight[i], 0.0));
+  (wide ? rootLanesAvx2 : rootLanesGeneric)(panel.weight, groups, factors.roots);
   const bool curved = secondOrder && curve(panel, count, second, factors);
   if (!curved && std::all_of(panel.weight, panel.weight + count, [](double weight) { return weight == 1.0; })) return;
-  const std::size_t groups = (count + lanes - 1) / lanes;
   std::fill(factors.roots + count, factors.roots + groups * lanes, 1.0);
   if (curved) {
     std::fill(factors.stretch + count, factors.stretch + groups * lanes, 1.0);
@@ -132,7 +149,6 @@ void applyKernels(const Panel& panel, const BatchKernels& kernels, std::span<con
     for (std::size_t role = 0; role < columns.size(); ++role)
       projectLanes(panel.residual, panel.jacobian[role], rows, columns[role], groups, factors.shares);
   }
-  static const bool wide = detectInstructionSet() != InstructionSet::generic;
   (wide ? scalePanelAvx2 : scalePanelGeneric)(panel, groups, rows, columns, factors.roots,
                                               curved ? factors.stretch : factors.roots);
 }

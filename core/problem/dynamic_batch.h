@@ -180,6 +180,8 @@ class DynamicBatch final : public EdgeBatch {
     run(state, edges, panel, true);
   }
 
+  bool robust() const override { return !kernels_.none(); }
+
   void refresh(const Graph& graph, int) override {
     roots_.clear();
     rootBegin_.assign(1, 0);

@@ -81,11 +81,14 @@ class EdgeBatch {
                             std::span<const std::int32_t> /*edges*/, const Panel&) const {}
   virtual void linearizeRows(const State&, const EdgeRows&, std::int64_t /*first*/,
                              std::span<const std::int32_t> /*edges*/, const Panel&) const {}
-  /// Counts refreshes: rows of an older revision are to be packed again.
+  /// Counts refreshes that found changes: rows of an older revision are to be packed again.
   std::int64_t revision() const { return revision_; }
 
-  /// Reads measurements, information, parameters and kernels again from the same edges, whose structure is unchanged.
+  /// Reads measurements, information, parameters and kernels again from those of the same edges that have changed, and
+  /// from those with parameters; the structure is unchanged.
   virtual void refresh(const Graph& graph, int threads) = 0;
+  /// Whether any edge has a robust kernel.
+  virtual bool robust() const = 0;
 
   /// How robust kernels enter `linearize` from now on; first order unless set.
   void setRobustCorrection(RobustCorrection correction) { correction_ = correction; }

@@ -140,15 +140,26 @@ class FixedBatch final : public EdgeBatch {
     applyKernels(panel, kernels_, edges, Loop::rows, Loop::columns, robustCorrection());
   }
 
+  bool robust() const override { return !kernels_.none(); }
+
   void refresh(const Graph& graph, int threads) override {
-    countRefresh();
-    // Mostly all edges are like the first; if not, the diagonal alone does not do.
-    diagonal_ = hasDiagonal(information(0));
-    packAll(graph, threads);
-    if (diagonal_ && std::find(mixed_.begin(), mixed_.end(), 1) != mixed_.end()) {
-      diagonal_ = false;
-      packAll(graph, threads);
+    if (changes_.empty()) {
+      // Mostly all edges are like the first; if not, the diagonal alone does not do.
+      diagonal_ = hasDiagonal(information(0));
+      changes_.assign(static_cast<std::size_t>(size()), ~std::uint64_t{0});
+      layOut();
     }
+    constexpr double looking = 6.0, packing = 40.0;  // nanoseconds an edge, about
+    const bool first = revision() == 0;
+    const Found found = packChanged(graph, worthwhileThreads(threads, (first ? packing : looking) * size()));
+    if (diagonal_ && found.mixed) {
+      diagonal_ = false;
+      changes_.assign(changes_.size(), ~std::uint64_t{0});
+      layOut();
+      packChanged(graph, worthwhileThreads(threads, packing * size()));
+    }
+    if (!found.changed) return;
+    countRefresh();
     kernels_.collect(size(), [this](int i) -> const RobustKernel& { return edge(i).robustKernel(); });
   }
 
@@ -178,22 +189,42 @@ class FixedBatch final : public EdgeBatch {
     return static_cast<const E&>(edge(i)).informationStore().values();
   }
 
-  /// Lays out the constants of all edges; mixed_ tells by chunk whether an information matrix is not diagonal.
-  void packAll(const Graph& graph, int threads) {
+  void layOut() {
+    numbers_ = diagonal_ ? Loop::values + Loop::rows : Loop::constants;
+    const std::int64_t padded = (std::int64_t{size()} + Panel::lanes - 1) / Panel::lanes * Panel::lanes;
+    if (constants_.size() != padded * numbers_) constants_ = AlignedBuffer(padded * numbers_, false);
+  }
+
+  /// Whether any edge had changed, and whether one of those has information that is not diagonal.
+  struct Found {
+    bool changed = false;
+    bool mixed = false;
+  };
+
+  /// Writes the constants of edges that have changed or have parameters.
+  Found packChanged(const Graph& graph, int threads) {
     constexpr int chunk = 256;
     const int count = size();
-    const auto chunks = static_cast<std::size_t>((count + chunk - 1) / chunk);
-    numbers_ = diagonal_ ? Loop::values + Loop::rows : Loop::constants;
-    const std::int64_t padded = (std::int64_t{count} + Panel::lanes - 1) / Panel::lanes * Panel::lanes;
-    if (constants_.size() != padded * numbers_) constants_ = AlignedBuffer(padded * numbers_, false);
-    mixed_.assign(chunks, 0);
-    parallelFor(static_cast<std::int64_t>(chunks), threads, [&](std::int64_t c) {
+    found_.assign(static_cast<std::size_t>((count + chunk - 1) / chunk), {});
+    parallelFor(static_cast<std::int64_t>(found_.size()), threads, [&](std::int64_t c) {
+      Found& found = found_[static_cast<std::size_t>(c)];
       const int end = std::min(count, static_cast<int>(c + 1) * chunk);
       for (int i = static_cast<int>(c) * chunk; i < end; ++i) {
-        if (!hasDiagonal(information(i))) mixed_[static_cast<std::size_t>(c)] = 1;
+        std::uint64_t& known = changes_[static_cast<std::size_t>(i)];
+        const std::uint64_t now = edge(i).changes();
+        if (known == now && E::Parameters::size == 0) continue;
+        known = now;
+        found.changed = true;
+        found.mixed = found.mixed || !hasDiagonal(information(i));
         pack(graph, i);
       }
     });
+    Found all;
+    for (const Found& found : found_) {
+      all.changed = all.changed || found.changed;
+      all.mixed = all.mixed || found.mixed;
+    }
+    return all;
   }
 
   /// Lays out the constants of one edge. The last edge also fills the lanes behind it.
@@ -279,7 +310,9 @@ class FixedBatch final : public EdgeBatch {
   BatchKernels kernels_;
   bool diagonal_ = false;
   int numbers_ = 0;
-  std::vector<char> mixed_;
+  /// By edge: Edge::changes() when it was packed. By chunk: what was found there.
+  std::vector<std::uint64_t> changes_;
+  std::vector<Found> found_;
 };
 
 }  // namespace quiver::detail

@@ -23,7 +23,12 @@ class AlignedBuffer {
   AlignedBuffer(const AlignedBuffer& other) : AlignedBuffer(other.size_, false) {
     for (std::int64_t i = 0; i < size_; ++i) data_.get()[i] = other.data_.get()[i];
   }
-  AlignedBuffer& operator=(const AlignedBuffer& other) { return *this = AlignedBuffer(other); }
+  /// Allocates only if the sizes differ.
+  AlignedBuffer& operator=(const AlignedBuffer& other) {
+    if (size_ != other.size_) return *this = AlignedBuffer(other);
+    for (std::int64_t i = 0; i < size_; ++i) data_.get()[i] = other.data_.get()[i];
+    return *this;
+  }
   AlignedBuffer(AlignedBuffer&& other) noexcept : data_(std::move(other.data_)), size_(other.size_) { other.size_ = 0; }
   AlignedBuffer& operator=(AlignedBuffer&& other) noexcept {
     data_ = std::move(other.data_);

@@ -72,6 +72,9 @@ TEST(EdgeRows, GiveTheBitsThatListsGive) {
 
   const std::int64_t revision = batch->revision();
   problem.refresh();
+  EXPECT_EQ(batch->revision(), revision) << "nothing has changed";
+  const_cast<Edge&>(batch->edge(0)).setRobustKernel(RobustKernelHuber(0.7));
+  problem.refresh();
   EXPECT_GT(batch->revision(), revision);
   EXPECT_EQ(rows.revision, revision);
 }

@@ -1,0 +1,146 @@
+// Solving again with an Optimizer: what was compiled before must never hide what has changed since.
+#include <functional>
+
+#include <gtest/gtest.h>
+#include <quiver/core/algorithm/optimizer.h>
+#include <quiver/core/graph/robust_kernels.h>
+#include <quiver/core/problem/problem.h>
+
+#include "ring_graph.h"
+
+namespace quiver {
+namespace {
+
+using namespace test;
+using Range = EdgeRangeAnalyticLanes;
+
+template <typename E>
+E& firstEdge(Graph& graph) {
+  E* found = nullptr;
+  graph.forEachEdge([&](Edge& edge) {
+    if (!found && graph.typeOf(edge).cppName() == typeName<E>()) found = static_cast<E*>(&edge);
+  });
+  return *found;
+}
+
+/// Optimises, lets `change` loose on the graph and optimises again with the same optimizer and with a new one.
+void expectSeen(const std::function<void(Graph&)>& change, bool structure) {
+  Graph graph = ringGraph<Range>(20, 4);
+  Optimizer optimizer;
+  const double before = optimizer.optimize(graph).finalCost;
+  change(graph);
+  Graph twin(graph);
+  const double again = optimizer.optimize(graph).finalCost;
+  EXPECT_EQ(optimizer.reused(), !structure);
+  EXPECT_EQ(again, optimize(twin).finalCost);
+  EXPECT_NE(again, before);
+  EXPECT_EQ(estimates(graph, 20, 4), estimates(twin, 20, 4));
+}
+
+TEST(Reuse, SeesMeasurements) {
+  expectSeen([](Graph& graph) { firstEdge<Range>(graph).setMeasurement(3.0); }, false);
+  expectSeen([](Graph& graph) { firstEdge<EdgeSE2>(graph).setMeasurement(SE2<double>(1.0, 2.0, 0.3)); }, false);
+}
+
+TEST(Reuse, SeesInformation) {
+  expectSeen([](Graph& graph) { firstEdge<EdgeSE2>(graph).setInformation(weight3(7.0)); }, false);
+  // All matrices were diagonal before.
+  Matrix<double, 3, 3> full = weight3(7.0);
+  full(0, 1) = full(1, 0) = 2.0;
+  expectSeen([&](Graph& graph) { firstEdge<EdgeSE2>(graph).setInformation(full); }, false);
+  expectSeen(
+      [&](Graph& graph) {
+        EdgeSE2& edge = firstEdge<EdgeSE2>(graph);
+        graph.typeOf(edge).setInformation(edge, std::vector<double>{3.0, 1.0, 0.0, 3.0, 0.0, 3.0});
+      },
+      false);
+}
+
+TEST(Reuse, SeesKernels) {
+  Graph graph = ringGraph<Range>(20, 4);
+  Optimizer optimizer;
+  (void)optimizer.optimize(graph);
+  Range& edge = firstEdge<Range>(graph);
+  edge.setMeasurement(9.0);
+  edge.setRobustKernel(RobustKernelHuber(0.1));
+  Graph twin(graph);
+  // The vertex that was held for full steps stays held, where a new optimizer would leave the gauge to the damping.
+  const double again = optimizer.optimize(graph).finalCost;
+  EXPECT_TRUE(optimizer.reused());
+  EXPECT_NEAR(again, optimize(twin).finalCost, 1e-7 * again);
+}
+
+TEST(Reuse, SeesLevelsAndFixedVertices) {
+  expectSeen([](Graph& graph) { firstEdge<Range>(graph).setLevel(1); }, true);
+  expectSeen(
+      [](Graph& graph) {
+        graph.vertex<VertexSE2>(3).setEstimate(SE2<double>(1.0, 1.0, 1.0));
+        graph.vertex<VertexSE2>(3).setFixed(true);
+      },
+      true);
+}
+
+TEST(Reuse, SeesAnEdgeInThePlaceOfAnother) {
+  expectSeen(
+      [](Graph& graph) {
+        Range& edge = firstEdge<Range>(graph);
+        const std::vector<std::int64_t> ids(edge.vertexIds().begin(), edge.vertexIds().end());
+        const void* place = &edge;
+        graph.removeEdge(edge);
+        EXPECT_EQ(&graph.addEdge<Range>(ids, 3.0, weight(400.0)), place);
+      },
+      true);
+}
+
+TEST(Reuse, SeesParameters) {
+  Graph graph(makeRegistry());
+  graph.addVertex<VertexPoint>(0, Vector<double, 2>(5.0, 5.0));
+  auto& shift = graph.addParameter<ParameterShift>(1, Vector<double, 2>(1.0, 0.0));
+  graph.addEdge<EdgeShifted>({0}, Vector<double, 2>(3.0, 4.0), weight2(), {1});
+  Optimizer optimizer;
+  EXPECT_LT(optimizer.optimize(graph).finalCost, 1e-20);
+  EXPECT_NEAR(graph.vertex<VertexPoint>(0).estimate()[0], 2.0, 1e-9);
+  shift.setValue(Vector<double, 2>(-1.0, 0.0));
+  EXPECT_LT(optimizer.optimize(graph).finalCost, 1e-20);
+  EXPECT_TRUE(optimizer.reused());
+  EXPECT_NEAR(graph.vertex<VertexPoint>(0).estimate()[0], 4.0, 1e-9);
+}
+
+TEST(Reuse, TellsGraphsApartThatLieAtOneAddress) {
+  Optimizer optimizer;
+  alignas(Graph) unsigned char memory[sizeof(Graph)];
+  for (const double target : {1.0, 2.0, 3.0}) {
+    // Built alike, so pools are likely to lie where those of the one before did.
+    Graph* graph = new (memory) Graph(makeRegistry());
+    graph->addVertex<VertexPoint>(0, Vector<double, 2>(5.0, 5.0));
+    graph->addEdge<EdgePoint>({0}, Vector<double, 2>(target, target), weight2());
+    (void)optimizer.optimize(*graph);
+    EXPECT_FALSE(optimizer.reused());
+    EXPECT_NEAR(graph->vertex<VertexPoint>(0).estimate()[0], target, 1e-12);
+    graph->~Graph();
+  }
+  Graph graph(makeRegistry());
+  for (const double target : {1.0, 2.0, 3.0}) {
+    Graph other(makeRegistry());
+    other.addVertex<VertexPoint>(0, Vector<double, 2>(5.0, 5.0));
+    other.addEdge<EdgePoint>({0}, Vector<double, 2>(target, target), weight2());
+    graph = other;
+    (void)optimizer.optimize(graph);
+    EXPECT_NEAR(graph.vertex<VertexPoint>(0).estimate()[0], target, 1e-12);
+  }
+}
+
+TEST(Reuse, FindsAProblemCompiledBefore) {
+  Graph graph = ringGraph<Range>(20, 4);
+  Graph twin(graph);
+  Optimizer optimizer;
+  Problem& problem = optimizer.compile(graph);
+  const double chi2 = problem.evaluate(problem.state()).chi2;
+  const Summary& summary = optimizer.optimize(graph);
+  EXPECT_FALSE(optimizer.reused()) << "compiled, but never solved";
+  EXPECT_EQ(summary.initialChi2, chi2);
+  EXPECT_EQ(summary.finalChi2, optimize(twin).finalChi2);
+}
+
+}  // namespace
+}  // namespace quiver
