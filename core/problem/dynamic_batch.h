@@ -179,9 +179,7 @@ class DynamicBatch final : public EdgeBatch {
   void linearize(const State& state, std::span<const std::int32_t> edges, const Panel& panel) const override {
     run(state, edges, panel, true);
   }
-
   bool robust() const override { return !kernels_.none(); }
-
   void refresh(const Graph& graph, int) override {
     roots_.clear();
     rootBegin_.assign(1, 0);
