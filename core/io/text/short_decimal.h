@@ -49,8 +49,10 @@ inline const char* shortDecimal(const char* p, double& value) {
   if (*end != ' ' && *end != '\n' && *end != '\r' && *end != '\t') return nullptr;
   const auto points =
       static_cast<unsigned>(_mm_movemask_epi8(_mm_cmpeq_epi8(bytes, _mm_set1_epi8('.')))) & ((1u << length) - 1);
-  const int negative = *p == '-';
-  const int pointed = points != 0;
+  // By arithmetic: an instruction that sets one byte by a comparison waits for the rest of its register, which here
+  // comes to hold the number before, and numbers would be read one after the other.
+  const int negative = static_cast<int>((static_cast<unsigned>(static_cast<unsigned char>(*p) ^ '-') - 1u) >> 31);
+  const int pointed = static_cast<int>((0u - points) >> 31);
   const int digits = length - negative - pointed;
   if (digits <= 0) return nullptr;
   const int decimals = (length - 1 - __builtin_ctz(points | 0x8000)) & -pointed;
