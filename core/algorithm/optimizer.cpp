@@ -218,6 +218,8 @@ Summary& Optimizer::run(Graph& graph, bool again) {
   summary.isolated.assign(problem.isolated().begin(), problem.isolated().end());
   summary.variables = problem.variables();
   problem.setRobustCorrection(options_.robustCorrection);
+  // What would be run, should it not come to that.
+  chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
   summary.seconds.compile = watch.lap();
   if (problem.variables() == 0) {
     reportUnmoved(problem, Status::nothingToOptimise,

@@ -56,6 +56,7 @@ TEST(Status, TimeLimit) {
   const Summary summary = optimize(graph, {.timeLimit = 1e-9});
   EXPECT_EQ(summary.status, Status::timeLimit);
   EXPECT_EQ(estimates(graph, 20, 4), before);
+  EXPECT_EQ(summary.plan.algorithm, "gn") << "what would have been run";
 }
 
 TEST(Status, Interrupted) {
