@@ -52,7 +52,7 @@ void SingleVariable::analyze(const Problem& problem, const Options&, int threads
       pieces_.push_back({b, begin, std::min(batch.size(), begin + pieceEdges), {}});
   }
   threads_ = worthwhileThreads(threads, nanoseconds);
-  workspaces_.resize(threads_ == 1 ? 1 : pieces_.size());
+  workspaces_.resize(static_cast<std::size_t>(threads_));
   for (Workspace& work : workspaces_) {
     for (const EdgeShape& shape : shapes_) work.panels.emplace_back(shape);
     work.ids.resize(Panel::capacity);
@@ -97,9 +97,9 @@ void SingleVariable::compute(const State& state, Equations& equations) {
   Stopwatch watch;
   const std::int64_t numbers = LaneProducts::squareSize(dimension_);
   std::fill_n(sums_.data(), sums_.size(), 0.0);
-  parallelFor(static_cast<std::int64_t>(pieces_.size()), threads_, [&](std::int64_t i) {
-    const auto at = static_cast<std::size_t>(i);
-    sumPiece(state, pieces_[at], sums_.data() + i * numbers * lanes, workspaces_[threads_ == 1 ? 0 : at]);
+  parallelForWorkers(static_cast<std::int64_t>(pieces_.size()), threads_, threads_, [&](std::int64_t i, int worker) {
+    sumPiece(state, pieces_[static_cast<std::size_t>(i)], sums_.data() + i * numbers * lanes,
+             workspaces_[static_cast<std::size_t>(worker)]);
   });
   equations.totals = {};
   for (std::size_t piece = 0; piece < pieces_.size(); ++piece) {

@@ -23,6 +23,7 @@ class SingleVariable final : public LinearSystem {
   void analyze(const Problem& problem, const Options& options, int threads) override;
   CostTotals linearize(const State& state) override;
   std::optional<CostTotals> tryState(const State& trial) override;
+  void dropTrial() override { tried_ = nullptr; }
   LinearOutcome solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) override;
   LinearOutcome solveWithLastFactor(std::span<double> delta, const StopCondition& stop) override;
   bool applyInverse(std::span<double> b) override;

@@ -55,7 +55,7 @@ bool Descent::begin() {
            describeBadEdge(totals_) + " at the start; check its measurement and the estimates of its vertices");
     return false;
   }
-  firstGradient_ = gradientNorm();
+  firstGradient_ = gradient_ = gradientNorm();
   if (firstGradient_ == 0.0) {
     finish(Status::converged, "the gradient is zero at the start");
     return false;
@@ -90,7 +90,6 @@ bool Descent::exhausted() {
 
 CostTotals Descent::tryStep() {
   Stopwatch watch;
-  report_.gradient = gradientNorm();
   problem_.retract(memory_.delta);
   const double square =
       sumInLanes(memory_.delta.size(), [&](std::size_t i) { return memory_.delta[i] * memory_.delta[i]; });
@@ -112,8 +111,10 @@ bool Descent::accept(const CostTotals& trial) {
   }
   const double costBefore = totals_.cost;
   rejected_ = false;
+  report_.gradient = gradient_;
   problem_.acceptTrial();
   totals_ = system_.linearize(problem_.state());
+  gradient_ = gradientNorm();
   totals_.chi2 = trial.chi2;
   totals_.cost = trial.cost;
   if (totals_.cost <= bestCost_) {
@@ -127,7 +128,7 @@ bool Descent::accept(const CostTotals& trial) {
 void Descent::reject() {
   rejected_ = true;
   system_.dropTrial();
-  report_.gradient = gradientNorm();
+  report_.gradient = gradient_;
   emitReport(false);
 }
 
@@ -151,7 +152,7 @@ bool Descent::stopRuleMet(double costBefore) {
                                         change / std::max(totals_.cost, 1e-300), options_.costTolerance));
     return true;
   }
-  const double gradient = gradientNorm() / std::max(1.0, firstGradient_);
+  const double gradient = gradient_ / std::max(1.0, firstGradient_);
   if (gradient <= options_.gradientTolerance) {
     finish(Status::converged, ShortText("the gradient is {:.2e} of the first, at most {:.0e} is asked", gradient,
                                         options_.gradientTolerance));
@@ -188,6 +189,7 @@ void Descent::returnToBest() {
   if (!bestSaved_ || totals_.cost <= bestCost_) return;
   problem_.restoreBest();
   totals_ = system_.linearize(problem_.state());
+  gradient_ = gradientNorm();
   bestSaved_ = false;
 }
 

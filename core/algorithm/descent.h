@@ -79,6 +79,8 @@ class Descent {
   bool bestSaved_ = false;
   bool rejected_ = false;
   double firstGradient_ = 0.0;
+  /// ‖g‖∞ at the estimate kept.
+  double gradient_ = 0.0;
   double relativeStep_ = 0.0;
   IterationReport report_;
   Stopwatch watch_;

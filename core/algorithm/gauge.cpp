@@ -165,13 +165,6 @@ int freeDirections(const Products& products, double noticed) {
   return std::max(0, unseen - motionless);
 }
 
-/// Whether every generator is noticed beyond doubt already.
-bool clearlyHeld(const Products& products) {
-  const bool seen = std::all_of(products.scale.begin(), products.scale.begin() + gaugeDirections,
-                                [](double scale) { return scale > 0.0; });
-  return seen && freeDirections(products, clearlyNoticed) == 0;
-}
-
 /// What adding edges reads.
 struct EdgeSource {
   const Problem& problem;
@@ -257,8 +250,6 @@ void addPiece(const EdgeSource& source, std::int64_t piece, std::int64_t pieces,
       scratch.resize(2 * static_cast<std::size_t>(shape.rows * padded));
       (wide ? addPanelAvx2 : addPanelGeneric)(source, batch, first, count, shape, buffer.panel(), scratch.data(),
                                               products.data());
-      // A few edges of known points settle the matter for the pose of one camera.
-      if (pieces == 1 && products.size() == 1 && first == begin && clearlyHeld(products.front())) return;
     }
   }
 }

@@ -31,6 +31,7 @@ class SchurSystem final : public LinearSystem {
   void analyze(const Problem& problem, const Options& options, int threads) override;
   CostTotals linearize(const State& state) override;
   std::optional<CostTotals> tryState(const State& trial) override;
+  void dropTrial() override { tried_ = nullptr; }
   LinearOutcome solve(std::span<const double> damping, std::span<double> delta, const StopCondition& stop) override;
   std::span<const double> gradient() const override { return gradient_; }
   std::span<const double> diagonal() const override { return diagonal_; }

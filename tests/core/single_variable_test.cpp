@@ -127,6 +127,17 @@ TEST(SingleVariable, TrialsAreTakenOrDropped) {
     EXPECT_EQ(system->linearize(problem.state()).cost, tried->cost);
     EXPECT_EQ(numbersOf(*system, size), taken) << "the same as without a trial";
     EXPECT_NE(taken, before);
+    // What was computed for a trial that was dropped says nothing of the next one, though it lies where that lay.
+    problem.retract(std::vector<double>{2.0, 0.2, 0.5});
+    system->tryState(problem.trial());
+    system->dropTrial();
+    EXPECT_EQ(numbersOf(*system, size), taken);
+    problem.retract(std::vector<double>{-0.1, 0.1, 0.1});
+    problem.acceptTrial();
+    system->linearize(problem.state());
+    const std::vector<double> next = numbersOf(*system, size);
+    system->linearize(problem.state());
+    EXPECT_EQ(numbersOf(*system, size), next);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mixed_graph.h"
+#include "projections.h"
 
 namespace quiver::test {
 namespace {
@@ -86,6 +87,40 @@ TEST_P(RandomGraphs, SolveAsADenseSystemDoes) {
     if (HasFatalFailure()) FAIL() << "graph " << i;
   }
   EXPECT_GT(eliminated, graphs);
+}
+
+TEST(SchurSystem, ADroppedTrialLeavesNothingBehind) {
+  Graph graph = bundle({});
+  Problem problem(graph, {});
+  Options options;
+  options.elimination = EliminationPolicy::types;
+  options.eliminatedTypes = {"POINT"};
+  EliminationChoice choice = chooseElimination(problem, options);
+  ASSERT_GT(choice.count, 0);
+  SchurSystem system(nullptr, std::move(choice));
+  system.analyze(problem, options, 1);
+  const auto numbers = [&] {
+    std::vector<double> all(system.gradient().begin(), system.gradient().end());
+    all.insert(all.end(), system.diagonal().begin(), system.diagonal().end());
+    return all;
+  };
+  const auto move = [&](double step) {
+    problem.retract(std::vector<double>(static_cast<std::size_t>(problem.scalars()), step));
+  };
+  system.linearize(problem.state());
+  const std::vector<double> before = numbers();
+  move(0.01);
+  ASSERT_TRUE(system.tryState(problem.trial()));
+  system.dropTrial();
+  EXPECT_EQ(numbers(), before);
+  // The next trial lies where the dropped one lay; it is accepted after its cost alone was computed.
+  move(-0.002);
+  problem.acceptTrial();
+  system.linearize(problem.state());
+  const std::vector<double> taken = numbers();
+  system.linearize(problem.state());
+  EXPECT_EQ(numbers(), taken);
+  EXPECT_NE(taken, before);
 }
 
 INSTANTIATE_TEST_SUITE_P(TenThousand, RandomGraphs, testing::Range(1, 11));
