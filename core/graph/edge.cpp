@@ -22,7 +22,6 @@ bool isPositiveDefinite(const Eigen::Map<const Eigen::MatrixXd>& omega) {
 
 void checkInformation(const double* matrix, int dimension) {
   const Eigen::Map<const Eigen::MatrixXd> omega(matrix, dimension, dimension);
-  if (detail::isPlainlyDominant(omega)) return;
   double largest = 0.0;
   for (int c = 0; c < dimension; ++c) {
     for (int r = 0; r < dimension; ++r) {

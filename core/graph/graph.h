@@ -126,8 +126,8 @@ class Graph {
   std::int64_t vertexCount() const { return vertexIds_.size(); }
   std::int64_t edgeCount() const { return edgeCount_; }
   std::int64_t parameterCount() const { return parameterIds_.size(); }
-  /// Of two numbers pairs read at different times from what was at one address: equal only if it was the same graph and
-  /// nothing was removed from it meanwhile.
+  /// Two stamps read at different times from what is at one address are equal only if it was the same graph both times
+  /// and nothing was removed from it meanwhile.
   std::pair<std::int64_t, std::int64_t> stamp() const { return {stamp_.born, stamp_.removals}; }
 
   /// Calls visit(vertex) for every vertex, type by type, each type in the order of insertion (removed slots are
