@@ -90,6 +90,7 @@ Json describeRegistry(const Registry& registry) {
   json["aliases"] = Json::object();
   for (const auto& [alias, tag] : registry.aliases()) json["aliases"][alias] = tag;
   json["data"] = describeNamed(registry.dataTags());
+  json["algorithms"] = describeNamed(registry.algorithms());
   json["linear_solvers"] = describeNamed(registry.linearSystems());
   json["initializers"] = describeNamed(registry.initializers());
   json["robust_kernels"] = Json::array();
@@ -155,8 +156,8 @@ void printRegistry(const Json& json) {
   for (const Json& entry : json["data"])
     tell(stdout, "  {:<28} {}\n", entry["name"].get<std::string>(), entry["documentation"].get<std::string>());
   for (const auto& [key, title] :
-       {std::pair("linear_solvers", "linear solvers (--solver)"), std::pair("initializers", "initial guesses (--init)"),
-        std::pair("robust_kernels", "robust kernels (--robust)"),
+       {std::pair("algorithms", "algorithms (--algorithm)"), std::pair("linear_solvers", "linear solvers (--solver)"),
+        std::pair("initializers", "initial guesses (--init)"), std::pair("robust_kernels", "robust kernels (--robust)"),
         std::pair("solver_names", "g2o's solver names (--algorithm)")}) {
     tell(stdout, "{}\n", title);
     for (const Json& entry : json[key])

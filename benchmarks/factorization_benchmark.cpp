@@ -20,7 +20,7 @@
 
 #include <quiver/core/util/error.h>
 #include <quiver/solvers/backends/block_solver.h>
-#include <quiver/solvers/block/elimination_tree.h>
+#include <quiver/solvers/block/factor_pattern.h>
 
 #include "factorization/cholmod_reference.h"
 #include "factorization/graph_patterns.h"

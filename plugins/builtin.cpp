@@ -1,5 +1,6 @@
 #include <quiver/plugins/builtin.h>
 
+#include <quiver/core/algorithm/algorithms.h>
 #include <quiver/core/graph/robust_kernels.h>
 #include <quiver/initialization/automatic.h>
 #include <quiver/initialization/chordal.h>
@@ -71,6 +72,7 @@ std::shared_ptr<Registry> builtinRegistry() {
   registerSba(*registry);
   registerRobustKernels(*registry);
   registerLinearSystems(*registry);
+  registerAlgorithms(*registry);
   registerInitializers(*registry);
   return registry;
 }

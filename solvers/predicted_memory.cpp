@@ -3,7 +3,7 @@
 #include <numeric>
 #include <vector>
 
-#include <quiver/solvers/block/elimination_tree.h>
+#include <quiver/solvers/block/factor_pattern.h>
 
 namespace quiver {
 namespace {

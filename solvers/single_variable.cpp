@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <quiver/core/problem/panel_totals.h>
 #include <quiver/core/util/parallel.h>
 #include <quiver/core/util/stopwatch.h>
 
@@ -103,13 +104,7 @@ void SingleVariable::compute(const State& state, Equations& equations) {
   });
   equations.totals = {};
   for (std::size_t piece = 0; piece < pieces_.size(); ++piece) {
-    const CostTotals& totals = pieces_[piece].totals;
-    equations.totals.chi2 += totals.chi2;
-    equations.totals.cost += totals.cost;
-    if (equations.totals.badBatch < 0 && totals.badBatch >= 0) {
-      equations.totals.badBatch = totals.badBatch;
-      equations.totals.badEdge = totals.badEdge;
-    }
+    equations.totals.add(pieces_[piece].totals);
     const double* const more = sums_.data() + static_cast<std::int64_t>(piece) * numbers * lanes;
     for (std::int64_t k = 0; piece > 0 && k < numbers * lanes; ++k) sums_[k] += more[k];
   }
@@ -131,27 +126,17 @@ void SingleVariable::sumPiece(const State& state, Piece& piece, double* sums, Wo
   const EdgeBatch& batch = problem_->batch(piece.batch);
   const Panel& panel = work.panels[static_cast<std::size_t>(piece.batch)].panel();
   const int step = batch.uniform() ? Panel::capacity : 1;
-  CostTotals totals;
+  PanelTotals totals(piece.batch);
   EdgeShape own;
   for (int first = piece.begin; first < piece.end; first += step) {
     const int count = std::min(step, piece.end - first);
     std::iota(work.ids.begin(), work.ids.begin() + count, first);
     batch.linearize(state, {work.ids.data(), static_cast<std::size_t>(count)}, panel);
-    double chi2 = 0.0;
-    for (int i = 0; i < count; ++i) {
-      chi2 += panel.squaredError[i];
-      totals.cost += panel.cost[i];
-    }
-    totals.chi2 += chi2;
-    for (int i = 0; i < count && totals.badBatch < 0 && !std::isfinite(chi2); ++i) {
-      if (std::isfinite(panel.squaredError[i])) continue;
-      totals.badBatch = piece.batch;
-      totals.badEdge = first + i;
-    }
+    totals.add(first, count, panel.squaredError, panel.cost);
     if (!batch.uniform()) own = batch.shape(first);
     sumPanel(piece, first, count, batch.uniform() ? shapes_[static_cast<std::size_t>(piece.batch)] : own, panel, sums);
   }
-  piece.totals = totals;
+  piece.totals = totals.sum();
 }
 
 void SingleVariable::sumPanel(const Piece& piece, int first, int count, const EdgeShape& shape, const Panel& panel,
@@ -162,8 +147,8 @@ void SingleVariable::sumPanel(const Piece& piece, int first, int count, const Ed
   const int block = shape.rows * dimension_ * lanes;
   for (int role = 0; role < static_cast<int>(shape.columns.size()); ++role) {
     if (known.common >= 0 && role != known.common) continue;
-    bool any = false;
-    for (int i = 0; i < groups * lanes; ++i) {
+    bool any = known.common >= 0;
+    for (int i = any ? count : 0; i < groups * lanes; ++i) {
       const bool counts = i < count && (known.common >= 0 || roleOf(piece.batch, first + i) == role);
       any = any || counts;
       // Edges that do not join the variable in this role, and lanes without an edge, add nothing.

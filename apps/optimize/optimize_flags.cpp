@@ -2,13 +2,14 @@
 
 #include <map>
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/optimize/solver_names.h>
 #include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/initial_guess.h>
 #include <quiver/apps/support/outcome.h>
+#include <quiver/core/algorithm/algorithms.h>
 #include <quiver/core/registry/registry.h>
 
 namespace quiver::app {
@@ -53,17 +54,15 @@ void applyElimination(const std::vector<std::string>& words, Options& options) {
 }
 
 /// A name of g2o's sets algorithm and solver together; flags given beside it would contradict it.
-void resolveAlgorithm(OptimizeFlags& flags) {
-  static const std::vector<std::string> algorithms{"auto", "gn", "lm", "dogleg"};
-  for (const std::string& name : algorithms) {
-    if (flags.algorithm == name) return;
-  }
+void resolveAlgorithm(OptimizeFlags& flags, const Registry& registry) {
+  if (flags.algorithm == "auto" || findAlgorithm(registry, flags.algorithm)) return;
   const SolverName* entry = findSolverName(flags.algorithm);
   if (!entry) {
-    std::vector<std::string> names = algorithms;
+    std::vector<std::string> names = algorithmNames(registry);
+    const std::string advice =
+        fmt::format("there are {} and g2o's solver names (see quiver list)", fmt::join(names, ", "));
     for (const SolverName& known : solverNames()) names.emplace_back(known.name);
-    refuseWord("--algorithm", flags.algorithm, "algorithm", names,
-               "there are auto, gn, lm, dogleg and g2o's solver names (see quiver list)");
+    refuseWord("--algorithm", flags.algorithm, "algorithm", names, advice);
   }
   if (flags.solver != "auto") {
     throw UsageError(fmt::format("--algorithm {} chooses the linear solver {}; leave --solver {} away", entry->name,
@@ -78,8 +77,8 @@ void resolveAlgorithm(OptimizeFlags& flags) {
 void addAlgorithmFlags(CLI::App& command, OptimizeFlags& flags) {
   command
       .add_option("--algorithm", flags.algorithm,
-                  "Gauss-Newton (gn), Levenberg-Marquardt (lm), Powell's dogleg, or what fits; or a solver name of "
-                  "g2o's, as lm_var_cholmod")
+                  "Gauss-Newton (gn), Levenberg-Marquardt (lm), Powell's dogleg, or what fits; a plugin's; or a solver "
+                  "name of g2o's, as lm_var_cholmod")
       ->type_name("auto|gn|lm|dogleg|NAME")
       ->capture_default_str();
   command
@@ -185,7 +184,7 @@ void addOptimizeFlags(CLI::App& command, OptimizeFlags& flags) {
 }
 
 void settleNames(OptimizeFlags& flags, const Registry& registry) {
-  resolveAlgorithm(flags);
+  resolveAlgorithm(flags, registry);
   checkSolver(flags.solver, registry);
   checkInitialGuess(flags.init, registry);
   checkEliminatedTypes(flags.eliminate, registry);

@@ -7,7 +7,7 @@
 
 #include <quiver/core/problem/problem.h>
 #include <quiver/core/util/error.h>
-#include <quiver/solvers/block/elimination_tree.h>
+#include <quiver/solvers/block/factor_pattern.h>
 #include <quiver/solvers/block/ordering.h>
 #include <quiver/solvers/elimination/clique_pattern.h>
 #include <quiver/solvers/elimination/elimination_choice.h>

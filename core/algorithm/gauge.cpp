@@ -6,6 +6,7 @@
 #include <numeric>
 #include <span>
 
+#include <quiver/core/problem/lane_records.h>
 #include <quiver/core/util/parallel.h>
 #include <quiver/geometry/scalar/isa.h>
 #include <Eigen/Cholesky>
@@ -174,23 +175,52 @@ struct EdgeSource {
 };
 
 /// part ← J G, rows × 8.
-[[gnu::always_inline]] inline void multiplyBlock(const double* J, const double* generators, int rows, int columns,
-                                                 double* part) {
-  for (int k = 0; k < rows * padded; ++k) part[k] = 0.0;
-  for (int c = 0; c < columns; ++c) {
-    const double* g = generators + c * padded;
-    for (int r = 0; r < rows; ++r) {
-      const double j = J[(c * rows + r) * Panel::lanes];
-      for (int k = 0; k < padded; ++k) part[r * padded + k] += j * g[k];
+template <typename L>
+inline void multiplyBlock(const double* J, const double* generators, int rows, int columns, double* part) {
+  for (int r = 0; r < rows; ++r) {
+    L sum(0.0);
+    for (int c = 0; c < columns; ++c) {
+      L generator;
+      detail::loadLanes(generators + c * padded, generator);
+      sum += L(J[(c * rows + r) * Panel::lanes]) * generator;
     }
+    detail::storeLanes(sum, part + r * padded);
+  }
+}
+
+/// scale += the squares of each generator's column of part, rows × 8.
+template <typename L>
+inline void addSquares(const double* part, int rows, double* scale) {
+  L sum;
+  detail::loadLanes(scale, sum);
+  for (int r = 0; r < rows; ++r) {
+    L row;
+    detail::loadLanes(part + r * padded, row);
+    sum += row * row;
+  }
+  detail::storeLanes(sum, scale);
+}
+
+/// square += movedᵀ moved, moved rows × 8.
+template <typename L>
+inline void addSquare(const double* moved, int rows, double* square) {
+  for (int a = 0; a < gaugeDirections; ++a) {
+    L sum;
+    detail::loadLanes(square + a * padded, sum);
+    for (int r = 0; r < rows; ++r) {
+      L row;
+      detail::loadLanes(moved + r * padded, row);
+      sum += L(moved[r * padded + a]) * row;
+    }
+    detail::storeLanes(sum, square + a * padded);
   }
 }
 
 /// Adds the J G of edges first … first + count − 1, which lie in the panel, to their components. `scratch` is memory
 /// for twice rows × 8 numbers.
-[[gnu::always_inline]] inline void addPanel(const EdgeSource& source, const EdgeBatch& batch, int first, int count,
-                                            const EdgeShape& shape, const Panel& panel, double* scratch,
-                                            Products* products) {
+template <typename L>
+inline void addPanel(const EdgeSource& source, const EdgeBatch& batch, int first, int count, const EdgeShape& shape,
+                     const Panel& panel, double* scratch, Products* products) {
   const int rows = shape.rows;
   double* const moved = scratch;
   double* const part = scratch + rows * padded;
@@ -202,31 +232,26 @@ struct EdgeSource {
       if (at < 0) continue;
       const int columns = shape.columns[role];
       double* const own = target == nullptr ? moved : part;
-      multiplyBlock(
+      multiplyBlock<L>(
           panel.jacobian[role] + std::int64_t{i / Panel::lanes} * columns * rows * Panel::lanes + i % Panel::lanes,
           source.generators.data() + at, rows, columns, own);
       target = products + source.componentOf[static_cast<std::size_t>(source.problem.variableOfSlot(slots[role]))];
-      for (int r = 0; r < rows; ++r) {
-        for (int k = 0; k < padded; ++k) target->scale[k] += own[r * padded + k] * own[r * padded + k];
-      }
-      for (int k = 0; own != moved && k < rows * padded; ++k) moved[k] += own[k];
+      addSquares<L>(own, rows, target->scale.data());
+      for (int k = 0; own != moved && k < rows * padded; ++k) moved[k] += part[k];
     }
-    for (int r = 0; target != nullptr && r < rows; ++r) {
-      const double* row = moved + r * padded;
-      for (int a = 0; a < gaugeDirections; ++a) {
-        for (int b = 0; b < padded; ++b) target->square[a * padded + b] += row[a] * row[b];
-      }
-    }
+    if (target != nullptr) addSquare<L>(moved, rows, target->square.data());
   }
 }
 
-QUIVER_TARGET_AVX2 void addPanelAvx2(const EdgeSource& source, const EdgeBatch& batch, int first, int count,
-                                     const EdgeShape& shape, const Panel& panel, double* scratch, Products* products) {
-  addPanel(source, batch, first, count, shape, panel, scratch, products);
+QUIVER_BATCH_LOOP_AVX2 void addPanelAvx2(const EdgeSource& source, const EdgeBatch& batch, int first, int count,
+                                         const EdgeShape& shape, const Panel& panel, double* scratch,
+                                         Products* products) {
+  addPanel<Lanes<isa::Avx2>>(source, batch, first, count, shape, panel, scratch, products);
 }
-void addPanelGeneric(const EdgeSource& source, const EdgeBatch& batch, int first, int count, const EdgeShape& shape,
-                     const Panel& panel, double* scratch, Products* products) {
-  addPanel(source, batch, first, count, shape, panel, scratch, products);
+QUIVER_BATCH_LOOP_GENERIC void addPanelGeneric(const EdgeSource& source, const EdgeBatch& batch, int first, int count,
+                                               const EdgeShape& shape, const Panel& panel, double* scratch,
+                                               Products* products) {
+  addPanel<Lanes<isa::Generic>>(source, batch, first, count, shape, panel, scratch, products);
 }
 
 /// Adds a part of the edges, one of `pieces`, to products of its own.

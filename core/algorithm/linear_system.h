@@ -35,6 +35,14 @@ struct CostTotals {
   int badEdge = -1;
 
   bool finite() const { return badBatch < 0; }
+  /// Adds the totals of edges that come later.
+  void add(const CostTotals& later) {
+    chi2 += later.chi2;
+    cost += later.cost;
+    if (badBatch >= 0) return;
+    badBatch = later.badBatch;
+    badEdge = later.badEdge;
+  }
 };
 
 /// The only door from algorithms to solvers: structure once, numbers per iteration.

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <quiver/core/algorithm/algorithms.h>
 #include <quiver/core/algorithm/descent.h>
 #include <quiver/core/algorithm/gauge.h>
 #include <quiver/core/algorithm/memory_estimate.h>
@@ -17,14 +19,12 @@
 namespace quiver {
 namespace {
 
-enum class Algorithm { automatic, gaussNewton, levenbergMarquardt, dogleg };
-
-Algorithm algorithmOf(const Options& options) {
-  if (options.algorithm == "auto") return Algorithm::automatic;
-  if (options.algorithm == "gn") return Algorithm::gaussNewton;
-  if (options.algorithm == "lm") return Algorithm::levenbergMarquardt;
-  if (options.algorithm == "dogleg") return Algorithm::dogleg;
-  throw GraphError(fmt::format("no algorithm '{}'; there are auto, gn, lm and dogleg", options.algorithm));
+/// nullptr for "auto".
+const NamedEntry<Algorithm>* algorithmOf(const Options& options, const Registry& registry) {
+  if (options.algorithm == "auto") return nullptr;
+  if (const NamedEntry<Algorithm>* known = findAlgorithm(registry, options.algorithm)) return known;
+  throw GraphError(
+      fmt::format("no algorithm '{}'; there are {}", options.algorithm, fmt::join(algorithmNames(registry), ", ")));
 }
 
 /// Edges above which what compiling and analysing leave behind is worth returning to the system.
@@ -48,9 +48,8 @@ std::string describeGauge(const GaugeReport& report, bool fixes, int found) {
 }
 
 /// Detects the gauge and, if the policy says so, holds one vertex a component.
-void settleGauge(Problem& problem, const Options& options, Algorithm algorithm, GaugeReport& report) {
-  const bool fixes = options.gauge == GaugePolicy::fix ||
-                     (options.gauge == GaugePolicy::automatic && algorithm != Algorithm::levenbergMarquardt);
+void settleGauge(Problem& problem, const Options& options, bool damped, GaugeReport& report) {
+  const bool fixes = options.gauge == GaugePolicy::fix || (options.gauge == GaugePolicy::automatic && !damped);
   const std::vector<ComponentGauge> gauges = findGauges(problem);
   report.components = static_cast<int>(gauges.size());
   std::vector<int> anchors;
@@ -93,42 +92,36 @@ bool hasRobustKernel(const Problem& problem) {
   return false;
 }
 
-/// What is run and why. Full steps need neither a damped gauge nor the damping that keeps eliminated landmarks in
-/// place; with robust kernels they leave the basin of the start, where outliers look like any other minimum.
-Algorithm chooseAlgorithm(Algorithm asked, bool robust, const GaugeReport& gauge, SolvePlan& plan) {
-  Algorithm chosen = asked;
-  plan.algorithmReason = "as asked";
-  if (asked == Algorithm::automatic) {
-    if (plan.eliminated > 0 || gauge.free > 0 || robust) chosen = Algorithm::levenbergMarquardt;
-    plan.algorithmReason = plan.eliminated > 0 ? "vertices are eliminated"
-                           : robust            ? "edges have robust kernels"
-                           : gauge.free > 0    ? "the gauge is free"
-                                               : "full steps while they lower the cost";
+/// What is run and why; true if "auto" begins with damped steps. Full steps need neither a damped gauge nor the damping
+/// that keeps eliminated landmarks in place; with robust kernels they leave the basin of the start, where outliers look
+/// like any other minimum.
+bool chooseAlgorithm(const NamedEntry<Algorithm>* asked, bool robust, const GaugeReport& gauge, SolvePlan& plan) {
+  if (asked) {
+    plan.algorithm = asked->name;
+    plan.algorithmReason = "as asked";
+    return false;
   }
-  plan.algorithm = chosen == Algorithm::levenbergMarquardt ? "lm" : chosen == Algorithm::dogleg ? "dogleg" : "gn";
-  return chosen;
+  const bool damped = plan.eliminated > 0 || gauge.free > 0 || robust;
+  plan.algorithm = damped ? "lm" : "gn";
+  plan.algorithmReason = plan.eliminated > 0 ? "vertices are eliminated"
+                         : robust            ? "edges have robust kernels"
+                         : gauge.free > 0    ? "the gauge is free"
+                                             : "full steps while they lower the cost";
+  return damped;
 }
 
-void descend(Descent& descent, Algorithm algorithm, SolvePlan& plan) {
+void descend(Descent& descent, const NamedEntry<Algorithm>* asked, bool damped, SolvePlan& plan) {
   if (descent.begin()) {
-    switch (algorithm) {
-      case Algorithm::gaussNewton:
-        gaussNewton(descent, false);
-        break;
-      case Algorithm::levenbergMarquardt:
-        levenbergMarquardt(descent);
-        break;
-      case Algorithm::dogleg:
-        dogleg(descent);
-        break;
-      case Algorithm::automatic:
-        if (!gaussNewton(descent, true)) {
-          plan.algorithm = "gn, then lm";
-          plan.algorithmReason = "a full step failed, so steps are damped from there";
-          levenbergMarquardt(descent);
-        }
-        break;
+    if (asked) {
+      asked->value.run(descent);
+    } else if (damped) {
+      levenbergMarquardt(descent);
+    } else if (!gaussNewton(descent, true)) {
+      plan.algorithm = "gn, then lm";
+      plan.algorithmReason = "a full step failed, so steps are damped from there";
+      levenbergMarquardt(descent);
     }
+    if (!descent.ended()) descent.finish(Status::stalled, "the algorithm returned without saying why");
   }
   descent.end();
 }
@@ -138,6 +131,8 @@ void descend(Descent& descent, Algorithm algorithm, SolvePlan& plan) {
 /// What one call leaves for the next.
 struct Optimizer::Compiled {
   StructureKey key;
+  /// The graph's when the key was made.
+  std::uint64_t revision = 0;
   std::unique_ptr<Problem> problem;
   std::unique_ptr<LinearSystem> system;
   /// Asked whether it eliminates, not analysed yet.
@@ -152,8 +147,12 @@ struct Optimizer::Compiled {
   void compile(Graph& graph, const Options& options, bool again) {
     const int threads = threadsOf(options);
     StructureKey newKey;
-    if (again) newKey = StructureKey(graph, options, threads);
-    if (problem && newKey == key) return problem->refresh();
+    if (again) {
+      const std::uint64_t before = std::exchange(revision, graph.revision());
+      const bool unchanged = key.isOf(graph) && revision == before;
+      newKey = StructureKey(graph, options, threads, unchanged ? &key : nullptr);
+      if (problem && newKey == key) return problem->refresh(unchanged);
+    }
     system.reset();
     asked.reset();
     problem.reset();
@@ -165,7 +164,7 @@ struct Optimizer::Compiled {
   }
 
   /// The gauge of a problem just compiled.
-  void settle(const Options& options, Algorithm algorithm) {
+  void settle(const Options& options, const NamedEntry<Algorithm>* algorithm) {
     reused = settled;
     if (settled) return;
     settled = true;
@@ -173,8 +172,8 @@ struct Optimizer::Compiled {
     // Eliminating or robust kernels make the algorithm a damped one, which leaves the gauge free.
     asked = makeSystem(*problem->graph().registry(), options);
     const bool damped =
-        algorithm == Algorithm::automatic && (hasRobustKernel(*problem) || asked->eliminates(*problem, options));
-    settleGauge(*problem, options, damped ? Algorithm::levenbergMarquardt : algorithm, gauge);
+        algorithm ? algorithm->value.damped : hasRobustKernel(*problem) || asked->eliminates(*problem, options);
+    settleGauge(*problem, options, damped, gauge);
   }
 };
 
@@ -193,7 +192,7 @@ Problem& Optimizer::compile(Graph& graph) {
 
 Summary& Optimizer::run(Graph& graph, bool again) {
   options_.validate();
-  const Algorithm algorithm = algorithmOf(options_);
+  const NamedEntry<Algorithm>* const algorithm = algorithmOf(options_, *graph.registry());
   Stopwatch watch;
   const Stopwatch whole;
   const StopCondition stop(options_.timeLimit, options_.stopToken);
@@ -243,11 +242,11 @@ Summary& Optimizer::run(Graph& graph, bool again) {
       compiled_->system.reset();
       return summary;
     }
-    const Algorithm chosen = chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
+    const bool damped = chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
     summary.seconds.analyze = watch.lap();
     announce(options_, "optimising");
     Descent descent(problem, *compiled_->system, options_, stop, compiled_->memory, summary);
-    descend(descent, chosen, summary.plan);
+    descend(descent, algorithm, damped, summary.plan);
     summary.plan.singular = compiled_->system->plan().singular;
     problem.store();
     summary.seconds.optimize = watch.lap();

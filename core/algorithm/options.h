@@ -42,11 +42,11 @@ struct Options {
   /// Seconds; honoured inside an iteration. The best estimate so far is kept.
   double timeLimit = std::numeric_limits<double>::infinity();
   std::stop_token stopToken = {};
-  /// Stop when |Δcost| / cost of an accepted step is at most this.
+  /// Stop when |Δcost| / cost of an accepted step is below this. This rule and the next two are switched off by 0.
   double costTolerance = 1e-10;
-  /// Stop when ‖g‖∞ / max(1, ‖g₀‖∞) is at most this.
+  /// Stop when ‖g‖∞ / max(1, ‖g₀‖∞) is below this.
   double gradientTolerance = 1e-10;
-  /// Stop when ‖Δ‖ / (‖x‖ + 1e-10) is at most this.
+  /// Stop when ‖Δ‖ / (‖x‖ + 1e-10) is below this.
   double stepTolerance = 1e-10;
   /// Edges of this level take part; −1 means all edges.
   int level = 0;

@@ -1,5 +1,6 @@
 #include <quiver/core/algorithm/structure_key.h>
 
+#include <algorithm>
 #include <bit>
 
 namespace quiver {
@@ -22,7 +23,7 @@ class Hash {
 
 }  // namespace
 
-StructureKey::StructureKey(const Graph& graph, const Options& options, int threads)
+StructureKey::StructureKey(const Graph& graph, const Options& options, int threads, const StructureKey* before)
     : graph_(&graph),
       stamp_(graph.stamp()),
       vertices_(graph.vertexCount()),
@@ -36,12 +37,25 @@ StructureKey::StructureKey(const Graph& graph, const Options& options, int threa
       elimination_(options.elimination),
       eliminatedTypes_(options.eliminatedTypes),
       memoryLimit_(options.memoryLimit) {
+  if (before != nullptr) {
+    std::copy_n(before->hash_, 2, hash_);
+    return;
+  }
   Hash hash;
   graph.forEachVertex([&](const Vertex& vertex) {
     hash.add(vertex.fixedDirections());
     hash.add(static_cast<std::uint64_t>(vertex.hasEstimate()));
+    const VertexType& type = graph.typeOf(vertex);
+    if (type.dimension() == Dynamic) hash.add(static_cast<std::uint64_t>(type.dimension(vertex)));
   });
-  graph.forEachEdge([&](const Edge& edge) { hash.add(static_cast<std::uint64_t>(edge.level())); });
+  bool robust = false;  // what the algorithm and with it the gauge are chosen by
+  graph.forEachEdge([&](const Edge& edge) {
+    robust = robust || edge.robustKernel();
+    hash.add(static_cast<std::uint64_t>(edge.level()));
+    const EdgeType& type = graph.typeOf(edge);
+    if (type.errorDimension() == Dynamic) hash.add(static_cast<std::uint64_t>(type.errorDimension(edge)));
+  });
+  hash.add(static_cast<std::uint64_t>(robust));
   hash_[0] = hash.first();
   hash_[1] = hash.second();
 }

@@ -12,12 +12,16 @@ namespace quiver {
 
 /// Everything that a compiled problem and its linear system depend on besides numbers: two equal keys mean that what
 /// was compiled for one serves the other. Which elements there are, the graph's stamp and their numbers tell; what can
-/// change of them, fixed directions, levels and whether there is an estimate, enters by a 128-bit hash.
+/// change of them, fixed directions, run-time dimensions, levels, whether there is an estimate and whether any robust
+/// kernel, enters by a 128-bit hash.
 class StructureKey {
  public:
   StructureKey() = default;
-  /// O(vertices + edges).
-  StructureKey(const Graph& graph, const Options& options, int threads);
+  /// O(vertices + edges); O(1) with the key of the same graph from when it had the revision it has now.
+  StructureKey(const Graph& graph, const Options& options, int threads, const StructureKey* before = nullptr);
+
+  /// Whether it is of what is at this address now, changed or not.
+  bool isOf(const Graph& graph) const { return graph_ == &graph && stamp_ == graph.stamp(); }
 
   bool operator==(const StructureKey&) const = default;
 

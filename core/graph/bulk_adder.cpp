@@ -79,7 +79,7 @@ void BulkAdder::begin(std::size_t part) noexcept {
 Vertex& BulkAdder::addVertex(std::size_t part, int type, std::int64_t id) {
   const auto t = static_cast<std::size_t>(type);
   Vertex& vertex = vertexPools_[t]->at(parts_[part].slots.vertices[t]++);
-  Graph::initialize(vertex, type, id);
+  graph_.initialize(vertex, type, id);
   return vertex;
 }
 

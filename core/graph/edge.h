@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include <quiver/core/graph/change_flag.h>
 #include <quiver/core/graph/edge_id_list.h>
 #include <quiver/core/graph/parameter.h>
 #include <quiver/core/graph/robust_kernel.h>
@@ -31,7 +32,10 @@ class Edge {
   const RobustKernel& robustKernel() const { return kernel_; }
 
   /// Edges of one level are optimised together; 0 unless set.
-  void setLevel(int level) { level_ = level; }
+  void setLevel(int level) {
+    level_ = level;
+    change_.raise();
+  }
   int level() const { return level_; }
 
   /// Index of its type in the registry of its graph.
@@ -42,11 +46,15 @@ class Edge {
   std::uint64_t changes() const { return changes_; }
 
  protected:
-  void countChange() { ++changes_; }
+  void countChange() {
+    ++changes_;
+    change_.raise();
+  }
 
  private:
   friend class Graph;
   EdgeIdList ids_;
+  ChangeLink change_;
   std::uint64_t changes_ = 0;
   std::int32_t level_ = 0;
   std::int32_t slot_ = -1;

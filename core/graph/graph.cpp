@@ -27,6 +27,14 @@ ElementPool<Base>& poolOf(std::vector<std::unique_ptr<ElementPool<Base>>>& pools
   return *pools[index];
 }
 
+/// Elements of a copy belong to it, not to the original.
+template <typename Base, typename Join>
+void joinAll(const std::vector<std::unique_ptr<ElementPool<Base>>>& pools, const Join& join) {
+  for (const auto& pool : pools) {
+    for (std::int64_t slot = 0; pool && slot < pool->slots(); ++slot) join(pool->at(slot));
+  }
+}
+
 /// Moves the keys of attachments from the elements of one graph to those of its copy.
 template <typename Base>
 void copyAttachments(const std::vector<std::unique_ptr<ElementPool<Base>>>& from,
@@ -60,12 +68,14 @@ const std::int64_t* findDuplicate(std::span<const std::int64_t> ids) {
 
 }  // namespace
 
-Graph::Graph(std::shared_ptr<const Registry> registry) : registry_(std::move(registry)) {
+Graph::Graph(std::shared_ptr<const Registry> registry)
+    : registry_(std::move(registry)), changeFlag_(std::make_unique<ChangeFlag>()) {
   if (!registry_) throw GraphError("a graph needs a registry");
 }
 
 Graph::Graph(const Graph& other)
     : registry_(other.registry_),
+      changeFlag_(std::make_unique<ChangeFlag>()),
       vertices_(clonePools(other.vertices_)),
       edges_(clonePools(other.edges_)),
       parameters_(clonePools(other.parameters_)),
@@ -73,6 +83,10 @@ Graph::Graph(const Graph& other)
       parameterIds_(other.parameterIds_),
       edgeCount_(other.edgeCount_),
       fileAttachment_(other.fileAttachment_) {
+  const auto join = [this](auto& element) { element.change_.join(*changeFlag_); };
+  joinAll(vertices_, join);
+  joinAll(edges_, join);
+  joinAll(parameters_, join);
   if (other.attachments_.empty()) return;
   copyAttachments(other.vertices_, vertices_, other.attachments_, attachments_);
   copyAttachments(other.edges_, edges_, other.attachments_, attachments_);
@@ -86,6 +100,7 @@ Graph& Graph::operator=(const Graph& other) {
 Graph::Graph(Graph&&) noexcept = default;
 Graph& Graph::operator=(Graph&& other) noexcept {
   // Pools go before the registry that may own their code.
+  std::swap(changeFlag_, other.changeFlag_);
   std::swap(vertices_, other.vertices_);
   std::swap(edges_, other.edges_);
   std::swap(parameters_, other.parameters_);
@@ -142,6 +157,7 @@ Parameter& Graph::addParameterOf(const ParameterType* type, std::string_view cpp
   ElementPool<Parameter>& pool = poolOf(parameters_, *type);
   const auto [parameter, slot] = pool.add();
   parameter.id_ = id;
+  parameter.change_.join(*changeFlag_);
   parameter.type_ = static_cast<std::uint16_t>(type->index());
   parameterIds_.insert(id, {type->index(), static_cast<std::int32_t>(slot)});
   return parameter;
@@ -217,13 +233,15 @@ ElementPool<Vertex>& Graph::vertexPool(int type) {
   return poolOf(vertices_, *registry_->vertexTypes()[static_cast<std::size_t>(type)]);
 }
 
-void Graph::initialize(Vertex& vertex, int type, std::int64_t id) {
+void Graph::initialize(Vertex& vertex, int type, std::int64_t id) const {
+  vertex.change_.join(*changeFlag_);
   vertex.id_ = id;
   vertex.type_ = static_cast<std::uint16_t>(type);
 }
 
 void Graph::initialize(Edge& edge, int type, std::int64_t slot, std::span<const std::int64_t> vertices,
                        std::span<const std::int64_t> parameters) const {
+  edge.change_.join(*changeFlag_);
   edge.ids_ = EdgeIdList(vertices, parameters);
   edge.changes_ = std::uint64_t{stamp_.removals} << 32;
   edge.slot_ = static_cast<std::int32_t>(slot);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <quiver/core/graph/change_flag.h>
 #include <quiver/core/graph/edge.h>
 #include <quiver/core/graph/element_pool.h>
 #include <quiver/core/graph/id_map.h>
@@ -129,6 +130,8 @@ class Graph {
   /// Two stamps read at different times from what is at one address are equal only if it was the same graph both times
   /// and nothing was removed from it meanwhile.
   std::pair<std::int64_t, std::int64_t> stamp() const { return {stamp_.born, stamp_.removals}; }
+  /// Another number than the last time if meanwhile elements were added, removed or changed, estimates aside.
+  std::uint64_t revision() const { return changeFlag_->revision(); }
 
   /// Calls visit(vertex) for every vertex, type by type, each type in the order of insertion (removed slots are
   /// reused).
@@ -229,7 +232,7 @@ class Graph {
   /// element.
   void checkVertices(const EdgeType& type, const EdgeShape& shape, std::span<const std::int64_t> vertices) const;
   void checkParameters(const EdgeType& type, const EdgeShape& shape, std::span<const std::int64_t> parameters) const;
-  static void initialize(Vertex& vertex, int type, std::int64_t id);
+  void initialize(Vertex& vertex, int type, std::int64_t id) const;
   void initialize(Edge& edge, int type, std::int64_t slot, std::span<const std::int64_t> vertices,
                   std::span<const std::int64_t> parameters) const;
   ElementPool<Vertex>& vertexPool(int type);
@@ -241,6 +244,7 @@ class Graph {
   };
 
   std::shared_ptr<const Registry> registry_;
+  std::unique_ptr<ChangeFlag> changeFlag_;  // elements keep its address
   Pools<Vertex> vertices_;
   Pools<Edge> edges_;
   Pools<Parameter> parameters_;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include <quiver/core/graph/change_flag.h>
 #include <quiver/geometry/packing.h>
 
 namespace quiver {
@@ -17,8 +18,13 @@ class Parameter {
   /// Index of its type in the registry of its graph.
   int type() const { return type_; }
 
+ protected:
+  /// To be called after a change of the value.
+  void noteChange() { change_.raise(); }
+
  private:
   friend class Graph;
+  ChangeLink change_;
   std::int64_t id_ = -1;
   std::uint16_t type_ = 0;
 };
@@ -30,7 +36,10 @@ class BaseParameter : public Parameter {
   using Value = ValueType;
 
   ValueType value() const { return Packing<ValueType>::template load<double>(values_.data()); }
-  void setValue(const ValueType& value) { Packing<ValueType>::store(value, values_.data()); }
+  void setValue(const ValueType& value) {
+    Packing<ValueType>::store(value, values_.data());
+    noteChange();
+  }
   const double* values() const { return values_.data(); }
 
  private:

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <quiver/core/graph/change_flag.h>
 #include <quiver/geometry/packing.h>
 
 namespace quiver {
@@ -18,10 +19,13 @@ class Vertex {
   std::int64_t id() const { return id_; }
 
   /// A fixed vertex takes part in edges but is not changed.
-  void setFixed(bool fixed) { fixed_ = fixed ? allDirections : 0; }
+  void setFixed(bool fixed) { setFixedDirections(fixed ? allDirections : 0); }
   /// Holds the tangent directions whose bit is set (bit i is direction i, at most 63), exactly: the increment there is
   /// zero. A mask of all directions is the same as setFixed(true).
-  void setFixedDirections(std::uint64_t mask) { fixed_ = mask; }
+  void setFixedDirections(std::uint64_t mask) {
+    fixed_ = mask;
+    change_.raise();
+  }
   std::uint64_t fixedDirections() const { return fixed_; }
   /// Whether every direction is held, by setFixed(true). (A mask that covers all directions of the dimension counts
   /// when compiled.)
@@ -29,15 +33,24 @@ class Vertex {
 
   /// A vertex without an estimate needs an initial guess before it can be optimised.
   bool hasEstimate() const { return hasEstimate_; }
-  void setHasEstimate(bool has) { hasEstimate_ = has; }
+  void setHasEstimate(bool has) {
+    if (has == hasEstimate_) return;
+    hasEstimate_ = has;
+    change_.raise();
+  }
 
   /// Index of its type in the registry of its graph.
   int type() const { return type_; }
 
   static constexpr std::uint64_t allDirections = ~std::uint64_t{0};
 
+ protected:
+  /// To be called after a change of anything but the numbers of the estimate.
+  void noteChange() { change_.raise(); }
+
  private:
   friend class Graph;
+  ChangeLink change_;
   std::int64_t id_ = -1;
   std::uint64_t fixed_ = 0;
   std::uint16_t type_ = 0;
@@ -85,6 +98,7 @@ class BaseVertex<Derived, Dynamic, Vector<double, Dynamic>> : public Vertex {
 
   Estimate estimate() const { return Eigen::Map<const Estimate>(values_.data(), valueCount()); }
   void setEstimate(const Estimate& estimate) {
+    if (estimate.size() != valueCount()) noteChange();
     values_.assign(estimate.data(), estimate.data() + estimate.size());
     setHasEstimate(true);
   }

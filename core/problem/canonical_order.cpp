@@ -44,6 +44,7 @@ struct EdgeIds {
 struct EdgeContent {
   std::uint64_t key = 0;
   const Edge* edge = nullptr;
+  std::size_t bucket = 0;
 };
 
 /// Bits of a double that compare as the numbers do; not a number has a place too.
@@ -113,19 +114,21 @@ void sortContents(std::vector<EdgeContent>& contents, const ContentOrder& order)
     std::sort(contents.begin(), contents.end(), order);
     return;
   }
-  // Rounding keeps the order of numbers, so no edge of a bucket belongs into an earlier one.
-  const auto bucketOf = [&](const EdgeContent& content) {
-    return std::min(static_cast<std::size_t>((valueOf(content.key) - lowest) * scale), contents.size() - 1);
-  };
   std::vector<std::uint32_t> end(contents.size() + 1, 0);
-  for (const EdgeContent& content : contents) ++end[bucketOf(content) + 1];
+  for (EdgeContent& content : contents) {
+    // Rounding keeps the order of numbers, so no edge of a bucket belongs into an earlier one.
+    content.bucket = std::min(static_cast<std::size_t>((valueOf(content.key) - lowest) * scale), contents.size() - 1);
+    ++end[content.bucket + 1];
+  }
   for (std::size_t bucket = 1; bucket < end.size(); ++bucket) end[bucket] += end[bucket - 1];
   std::vector<EdgeContent> sorted(contents.size());
   // What begins a bucket moves to where it ends.
-  for (const EdgeContent& content : contents) sorted[end[bucketOf(content)]++] = content;
+  for (const EdgeContent& content : contents) sorted[end[content.bucket]++] = content;
   std::size_t begin = 0;
   for (const std::uint32_t last : end) {
-    if (last - begin > 1) std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(begin), sorted.begin() + last, order);
+    const auto first = sorted.begin() + static_cast<std::ptrdiff_t>(begin);
+    if (last - begin == 2 && order(first[1], first[0])) std::swap(first[0], first[1]);
+    if (last - begin > 2) std::sort(first, sorted.begin() + last, order);
     begin = last;
   }
   contents.swap(sorted);

@@ -201,7 +201,13 @@ inline typename EdgeLoop<E>::template Estimates<L> loadEstimates(const BatchView
         for (int i = 0; i < L::width; ++i) pointers[i] = view.state + records[ids[i]];
       }
       L numbers[size];
-      loadRecords<size>(pointers, numbers);
+      bool one = true;  // all eight join the same vertex, as the observations of one camera do
+      for (int i = 1; i < L::width; ++i) one = one && pointers[i] == pointers[0];
+      if (one) {
+        for (int k = 0; k < size; ++k) numbers[k] = L(pointers[0][k]);
+      } else {
+        loadRecords<size>(pointers, numbers);
+      }
       return Packing<typename Vertex::Estimate>::template load<L>(numbers);
     }()...);
   }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <quiver/core/problem/canonical_order.h>
+#include <quiver/core/problem/panel_totals.h>
 #include <quiver/core/problem/retraction.h>
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/lane_sums.h>
@@ -219,9 +220,10 @@ void Problem::setRobustCorrection(RobustCorrection correction) {
   for (const auto& batch : batches_) batch->setRobustCorrection(correction);
 }
 
-void Problem::refresh() {
+void Problem::refresh(bool estimatesOnly) {
   loadState();
   trial_ = state_;
+  if (estimatesOnly) return;
   for (const auto& batch : batches_) batch->refresh(*graph_, threads_);
 }
 
@@ -275,21 +277,15 @@ CostTotals Problem::evaluate(const State& state) {
     const EdgeBatch& batch = *batches_[static_cast<std::size_t>(piece.batch)];
     const Panel& panel = panels[static_cast<std::size_t>(piece.batch)].panel();
     const int step = batch.uniform() ? Panel::capacity : 1;
-    piece.totals = {};
+    PanelTotals totals(piece.batch);
     for (int begin = piece.begin; begin < piece.end; begin += step) {
       const int count = std::min(step, piece.end - begin);
       std::int32_t edges[Panel::capacity];
       std::iota(edges, edges + count, begin);
       batch.evaluate(state, {edges, static_cast<std::size_t>(count)}, panel);
-      for (int i = 0; i < count; ++i) {
-        piece.totals.chi2 += panel.squaredError[i];
-        piece.totals.cost += panel.cost[i];
-        if (piece.totals.badBatch < 0 && !std::isfinite(panel.squaredError[i])) {
-          piece.totals.badBatch = piece.batch;
-          piece.totals.badEdge = begin + i;
-        }
-      }
+      totals.add(begin, count, panel.squaredError, panel.cost);
     }
+    piece.totals = totals.sum();
   };
   const std::int64_t tasks = static_cast<std::int64_t>(panels_.size());
   const std::int64_t count = static_cast<std::int64_t>(pieces_.size());
@@ -299,14 +295,7 @@ CostTotals Problem::evaluate(const State& state) {
     }
   });
   CostTotals totals;
-  for (const Piece& piece : pieces_) {
-    totals.chi2 += piece.totals.chi2;
-    totals.cost += piece.totals.cost;
-    if (totals.badBatch < 0 && piece.totals.badBatch >= 0) {
-      totals.badBatch = piece.totals.badBatch;
-      totals.badEdge = piece.totals.badEdge;
-    }
-  }
+  for (const Piece& piece : pieces_) totals.add(piece.totals);
   return totals;
 }
 

@@ -80,8 +80,9 @@ class Problem {
   /// Σ eᵀΩe and Σ ρ at a state, in a fixed order of additions. Allocates nothing after the first call.
   CostTotals evaluate(const State& state);
 
-  /// Reads estimates, measurements and weights from the graph again; its structure must be that of the compilation.
-  void refresh();
+  /// Reads estimates from the graph again and, unless nothing else has changed there, measurements and weights; its
+  /// structure must be that of the compilation.
+  void refresh(bool estimatesOnly = false);
   /// How robust kernels enter linearisations from now on; first order unless set.
   void setRobustCorrection(RobustCorrection correction);
   /// Writes the state's estimates of all variables to the graph.

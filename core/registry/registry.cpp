@@ -33,11 +33,16 @@ bool equalIgnoringCase(std::string_view a, std::string_view b) {
 }
 
 template <typename Entry>
-const Entry* findNamed(const std::vector<NamedEntry<Entry>>& entries, std::string_view name) {
+const NamedEntry<Entry>* findNamed(const std::vector<NamedEntry<Entry>>& entries, std::string_view name) {
   for (const auto& entry : entries) {
-    if (equalIgnoringCase(entry.name, name)) return &entry.value;
+    if (equalIgnoringCase(entry.name, name)) return &entry;
   }
   return nullptr;
+}
+
+template <typename Entry>
+const Entry* valueOf(const NamedEntry<Entry>* entry) {
+  return entry ? &entry->value : nullptr;
 }
 
 }  // namespace
@@ -159,6 +164,12 @@ void Registry::addInitializer(std::string name, std::string documentation, Initi
   initializers_.push_back({std::move(name), std::move(documentation), std::move(initializer)});
 }
 
+void Registry::addAlgorithm(std::string name, std::string documentation, Algorithm algorithm) {
+  if (name == "auto" || findAlgorithm(name))
+    throw GraphError(fmt::format("algorithm '{}' is registered already", name));
+  algorithms_.push_back({std::move(name), std::move(documentation), std::move(algorithm)});
+}
+
 void Registry::addRobustKernel(const RobustKernelType& kernel) {
   if (findRobustKernel(kernel.name))
     throw GraphError(fmt::format("robust kernel '{}' is registered already", kernel.name));
@@ -166,9 +177,14 @@ void Registry::addRobustKernel(const RobustKernelType& kernel) {
 }
 
 const LinearSystemFactory* Registry::findLinearSystem(std::string_view name) const {
-  return findNamed(linearSystems_, name);
+  return valueOf(findNamed(linearSystems_, name));
 }
-const Initializer* Registry::findInitializer(std::string_view name) const { return findNamed(initializers_, name); }
+const Initializer* Registry::findInitializer(std::string_view name) const {
+  return valueOf(findNamed(initializers_, name));
+}
+const NamedEntry<Algorithm>* Registry::findAlgorithm(std::string_view name) const {
+  return findNamed(algorithms_, name);
+}
 const RobustKernelType* Registry::findRobustKernel(std::string_view name) const {
   for (const RobustKernelType* kernel : robustKernels_) {
     if (equalIgnoringCase(kernel->name, name)) return kernel;

@@ -11,6 +11,7 @@
 
 namespace quiver {
 
+class Descent;
 class LinearSystem;
 class Graph;
 struct Options;
@@ -21,6 +22,15 @@ using LinearSystemFactory = std::function<std::unique_ptr<LinearSystem>(const Op
 /// allow it.
 using Initializer = std::function<std::string(Graph&, const Options&)>;
 
+/// A way from a start to an optimum.
+struct Algorithm {
+  /// Takes a descent that has begun to its end, by the steps that `core/algorithm/descent.h` offers; returns once
+  /// `Descent::ended()`.
+  std::function<void(Descent&)> run;
+  /// Whether its steps are damped in every direction: then the gauge may stay free.
+  bool damped = false;
+};
+
 /// A named entry that is not an element type.
 template <typename Value>
 struct NamedEntry {
@@ -29,8 +39,8 @@ struct NamedEntry {
   Value value;
 };
 
-/// The types, solvers, initialisers and kernels a program knows: an ordinary object, filled explicitly, shared by
-/// graphs and plugins. Filling is not thread safe; looking up is.
+/// The types, solvers, algorithms, initialisers and kernels a program knows: an ordinary object, filled explicitly,
+/// shared by graphs and plugins. Filling is not thread safe; looking up is.
 class Registry {
  public:
   Registry();
@@ -73,16 +83,20 @@ class Registry {
   /// Linear systems by name ("block", "cholmod", …); a later entry of the same name is refused.
   void addLinearSystem(std::string name, std::string documentation, LinearSystemFactory factory);
   void addInitializer(std::string name, std::string documentation, Initializer initializer);
+  /// A value of Options::algorithm beside "auto".
+  void addAlgorithm(std::string name, std::string documentation, Algorithm algorithm);
   /// The kernel type is copied nowhere: it must live as long as the registry (a constant of a library that the registry
   /// keeps loaded).
   void addRobustKernel(const RobustKernelType& kernel);
 
   const std::vector<NamedEntry<LinearSystemFactory>>& linearSystems() const { return linearSystems_; }
   const std::vector<NamedEntry<Initializer>>& initializers() const { return initializers_; }
+  const std::vector<NamedEntry<Algorithm>>& algorithms() const { return algorithms_; }
   const std::vector<const RobustKernelType*>& robustKernels() const { return robustKernels_; }
   /// By name without regard to case; nullptr if unknown.
   const LinearSystemFactory* findLinearSystem(std::string_view name) const;
   const Initializer* findInitializer(std::string_view name) const;
+  const NamedEntry<Algorithm>* findAlgorithm(std::string_view name) const;
   const RobustKernelType* findRobustKernel(std::string_view name) const;
 
   /// Keeps a library loaded as long as the registry lives; released after everything else.
@@ -103,6 +117,7 @@ class Registry {
   std::vector<std::pair<std::string, std::string>> aliases_;
   std::vector<NamedEntry<LinearSystemFactory>> linearSystems_;
   std::vector<NamedEntry<Initializer>> initializers_;
+  std::vector<NamedEntry<Algorithm>> algorithms_;
   std::vector<const RobustKernelType*> robustKernels_;
   struct Lookup;
   std::unique_ptr<Lookup> lookup_;

@@ -50,7 +50,7 @@ int hardwareThreads() {
 }
 
 int worthwhileThreads(int threads, double nanoseconds) {
-  constexpr double leastShare = 1e5;  // waking a sleeping thread takes about half of it
+  constexpr double leastShare = 2.5e4;  // waking a sleeping thread takes about half of it
   return static_cast<int>(std::clamp(nanoseconds / leastShare, 1.0, static_cast<double>(std::max(1, threads))));
 }
 

@@ -5,7 +5,7 @@ namespace {
 
 /// How often an idle thread looks before it sleeps: some tens of microseconds, the pause between loops of one
 /// computation.
-constexpr int spins = 2000;
+constexpr int spins = 20000;
 
 thread_local bool inside = false;
 

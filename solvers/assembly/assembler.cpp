@@ -1,9 +1,9 @@
 #include <quiver/solvers/assembly/assembler.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
+#include <quiver/core/problem/panel_totals.h>
 #include <quiver/core/util/parallel.h>
 #include <quiver/core/util/stopwatch.h>
 #include <quiver/solvers/assembly/diagonal_gather.h>
@@ -103,14 +103,7 @@ CostTotals Assembler::assemble(const State& state, BlockMatrix& matrix, std::spa
   });
   addSharedBlocks(matrix);
   CostTotals totals;
-  for (const CostTotals& piece : totals_) {
-    totals.chi2 += piece.chi2;
-    totals.cost += piece.cost;
-    if (totals.badBatch < 0 && piece.badBatch >= 0) {
-      totals.badBatch = piece.badBatch;
-      totals.badEdge = piece.badEdge;
-    }
-  }
+  for (const CostTotals& piece : totals_) totals.add(piece);
   seconds.assemble += watch.lap();
   return totals;
 }
@@ -139,21 +132,14 @@ CostTotals Assembler::linearizePiece(const State& state, BlockMatrix& matrix, st
 CostTotals Assembler::multiplyPiece(const State& state, const Piece& piece) {
   const EdgeBatch& batch = problem_->batch(piece.batch);
   const ProductTargets targets = addresses_[static_cast<std::size_t>(piece.batch)].targets();
-  CostTotals totals;
+  PanelTotals totals(piece.batch);
   alignas(64) double squaredError[Panel::capacity];
   for (int first = piece.begin; first < piece.end; first += Panel::capacity) {
     const int count = std::min(Panel::capacity, piece.end - first);
     batch.addProducts(state, first, count, targets, squaredError);
-    for (int i = 0; i < count; ++i) {
-      totals.chi2 += squaredError[i];
-      if (totals.badBatch < 0 && !std::isfinite(squaredError[i])) {
-        totals.badBatch = piece.batch;
-        totals.badEdge = first + i;
-      }
-    }
+    totals.add(first, count, squaredError, squaredError);
   }
-  totals.cost = totals.chi2;
-  return totals;
+  return totals.sum();
 }
 
 CostTotals Assembler::spreadPanels(const State& state, BlockMatrix& matrix, const Piece& piece, Workspace& work) {
@@ -162,12 +148,12 @@ CostTotals Assembler::spreadPanels(const State& state, BlockMatrix& matrix, cons
   const Panel& panel = work.panels[static_cast<std::size_t>(piece.batch)].panel();
   const int step = kernels.uniform ? panelEdges : 1;
   std::fill(work.nowhere.data(), work.nowhere.data() + work.nowhere.size(), 0.0);
-  CostTotals totals;
+  PanelTotals totals(piece.batch);
   EdgeShape own;
   for (int first = piece.begin; first < piece.end; first += step) {
     const int count = std::min(step, piece.end - first);
     batch.linearize(state, {counting_.data() + first, static_cast<std::size_t>(count)}, panel);
-    addTotals(piece, panel, first, count, totals);
+    totals.add(first, count, panel.squaredError, panel.cost);
     if (!kernels.uniform) own = batch.shape(first);
     const EdgeShape& shape = kernels.uniform ? kernels.shape : own;
     if (problem_->anyHeldDirections()) dropHeldColumns(piece, first, count, panel, shape);
@@ -177,18 +163,7 @@ CostTotals Assembler::spreadPanels(const State& state, BlockMatrix& matrix, cons
       if (shape.columns.size() > 1) writePairs(piece, first + group * lanes, edges, group, panel, shape, matrix, work);
     }
   }
-  return totals;
-}
-
-void Assembler::addTotals(const Piece& piece, const Panel& panel, int first, int count, CostTotals& totals) const {
-  for (int i = 0; i < count; ++i) {
-    totals.chi2 += panel.squaredError[i];
-    totals.cost += panel.cost[i];
-    if (totals.badBatch < 0 && !std::isfinite(panel.squaredError[i])) {
-      totals.badBatch = piece.batch;
-      totals.badEdge = first + i;
-    }
-  }
+  return totals.sum();
 }
 
 void Assembler::dropHeldColumns(const Piece& piece, int first, int count, const Panel& panel,

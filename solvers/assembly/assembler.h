@@ -50,7 +50,6 @@ class Assembler {
   CostTotals linearizePiece(const State& state, BlockMatrix& matrix, std::size_t index, Workspace& work);
   CostTotals multiplyPiece(const State& state, const Piece& piece);
   CostTotals spreadPanels(const State& state, BlockMatrix& matrix, const Piece& piece, Workspace& work);
-  void addTotals(const Piece& piece, const Panel& panel, int first, int count, CostTotals& totals) const;
   void addRecords(const Piece& piece, int first, int count, int group, const Panel& panel, const EdgeShape& shape,
                   Workspace& work);
   void writePairs(const Piece& piece, int first, int count, int group, const Panel& panel, const EdgeShape& shape,

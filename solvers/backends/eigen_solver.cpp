@@ -5,7 +5,7 @@
 #include <quiver/core/util/error.h>
 #include <quiver/solvers/backends/scalar_columns.h>
 #include <quiver/solvers/backends/validate.h>
-#include <quiver/solvers/block/elimination_tree.h>
+#include <quiver/solvers/block/factor_pattern.h>
 
 namespace quiver {
 namespace {

@@ -4,37 +4,6 @@
 #include <numeric>
 
 namespace quiver {
-namespace {
-
-std::vector<int> positionsOf(std::span<const int> order) {
-  std::vector<int> position(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) position[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
-  return position;
-}
-
-/// Calls visit(row, column) for every block of L below the diagonal, rows ascending: row i of L is the part of the tree
-/// that the entries of row i of A reach on their way up to i.
-template <typename Visit>
-void forEachFactorBlock(const BlockGraph& graph, std::span<const int> order, const EliminationTree& tree,
-                        const Visit& visit) {
-  const std::vector<int> position = positionsOf(order);
-  std::vector<int> mark(order.size(), -1);
-  for (int i = 0; i < static_cast<int>(order.size()); ++i) {
-    mark[static_cast<std::size_t>(i)] = i;
-    for (const int neighbour : graph.of(order[static_cast<std::size_t>(i)])) {
-      int j = position[static_cast<std::size_t>(neighbour)];
-      if (j > i) continue;
-      while (mark[static_cast<std::size_t>(j)] != i) {
-        visit(i, j);
-        mark[static_cast<std::size_t>(j)] = i;
-        j = tree.parent[static_cast<std::size_t>(j)];
-      }
-    }
-  }
-}
-
-}  // namespace
-
 BlockGraph::BlockGraph(const BlockPattern& pattern) {
   const int count = pattern.blocks();
   starts.assign(static_cast<std::size_t>(count) + 1, 0);
@@ -59,6 +28,12 @@ BlockGraph::BlockGraph(const BlockPattern& pattern) {
       neighbours[static_cast<std::size_t>(next[static_cast<std::size_t>(column)]++)] = pattern.row(k);
     }
   }
+}
+
+std::vector<int> positionsOf(std::span<const int> order) {
+  std::vector<int> position(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) position[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
+  return position;
 }
 
 EliminationTree::EliminationTree(const BlockGraph& graph, std::span<const int> order) : parent(order.size(), -1) {
@@ -116,59 +91,6 @@ std::vector<int> postorder(std::span<const int> parent, std::span<const double> 
     }
   }
   return result;
-}
-
-std::vector<std::int64_t> belowScalars(const BlockGraph& graph, std::span<const int> order, const EliminationTree& tree,
-                                       const BlockLayout& layout) {
-  std::vector<std::int64_t> below(order.size(), 0);
-  forEachFactorBlock(graph, order, tree, [&](int row, int column) {
-    below[static_cast<std::size_t>(column)] += layout.dimension(order[static_cast<std::size_t>(row)]);
-  });
-  return below;
-}
-
-FactorSize factorSize(std::span<const int> dimensions, std::span<const std::int64_t> below) {
-  FactorSize size;
-  for (std::size_t i = 0; i < dimensions.size(); ++i) {
-    for (int c = 1; c <= dimensions[i]; ++c) {
-      const std::int64_t entries = below[i] + c;
-      size.nonzeros += entries;
-      size.flops += static_cast<double>(entries) * static_cast<double>(entries);
-    }
-  }
-  return size;
-}
-
-FactorSize predictFactor(const BlockPattern& pattern, std::span<const int> order) {
-  const BlockGraph graph(pattern);
-  const EliminationTree tree(graph, order);
-  std::vector<int> dimensions;
-  dimensions.reserve(order.size());
-  for (const int block : order) dimensions.push_back(pattern.layout().dimension(block));
-  return factorSize(dimensions, belowScalars(graph, order, tree, pattern.layout()));
-}
-
-FactorPattern::FactorPattern(const BlockGraph& graph, std::span<const int> order, const EliminationTree& tree)
-    : columns(order.size() + 1, 0) {
-  // Row by row first, then transposed: the tree is climbed once.
-  std::vector<int> columnOf;
-  columnOf.reserve(graph.neighbours.size());
-  std::vector<std::int64_t> rowEnds(order.size(), 0);
-  forEachFactorBlock(graph, order, tree, [&](int row, int column) {
-    ++columns[static_cast<std::size_t>(column) + 1];
-    columnOf.push_back(column);
-    rowEnds[static_cast<std::size_t>(row)] = static_cast<std::int64_t>(columnOf.size());
-  });
-  std::partial_sum(columns.begin(), columns.end(), columns.begin());
-  rows.resize(static_cast<std::size_t>(columns.back()));
-  std::vector<std::int64_t> next(columns.begin(), columns.end() - 1);
-  std::int64_t entry = 0;
-  for (std::size_t row = 0; row < rowEnds.size(); ++row) {
-    for (; entry < rowEnds[row]; ++entry) {
-      std::int64_t& place = next[static_cast<std::size_t>(columnOf[static_cast<std::size_t>(entry)])];
-      rows[static_cast<std::size_t>(place++)] = static_cast<int>(row);
-    }
-  }
 }
 
 }  // namespace quiver

@@ -9,7 +9,7 @@
 #endif
 
 #include <quiver/core/util/error.h>
-#include <quiver/solvers/block/elimination_tree.h>
+#include <quiver/solvers/block/factor_pattern.h>
 
 namespace quiver {
 namespace {
@@ -56,14 +56,6 @@ constexpr int dissectionSeed = 2;
 /// Thousandths by which the larger half may exceed its share. Pose graphs have narrow places off the middle: twice
 /// METIS's default saves up to a tenth of the multiplications.
 constexpr int dissectionImbalance = 400;
-
-FactorSize sizeOf(const BlockGraph& graph, const BlockPattern& pattern, const std::vector<int>& order) {
-  const EliminationTree tree(graph, order);
-  std::vector<int> dimensions;
-  dimensions.reserve(order.size());
-  for (const int block : order) dimensions.push_back(pattern.layout().dimension(block));
-  return factorSize(dimensions, belowScalars(graph, order, tree, pattern.layout()));
-}
 
 std::vector<int> dissection(const BlockGraph& graph, const BlockLayout& layout) {
   auto count = static_cast<idx_t>(graph.blocks());
@@ -117,12 +109,12 @@ BlockOrdering chooseOrdering(const BlockPattern& pattern) {
   const BlockGraph graph(pattern);
   BlockOrdering best{postordered(graph, minimumDegree(graph)), "amd"};
 #ifdef QUIVER_METIS
-  const FactorSize amd = sizeOf(graph, pattern, best.order);
+  const FactorSize amd = predictFactor(graph, pattern.layout(), best.order);
   const bool worthTrying =
       amd.flops > minimumDissectionFlops && amd.flops > minimumDissectionIntensity * static_cast<double>(amd.nonzeros);
   if (worthTrying) {
     std::vector<int> order = postordered(graph, dissection(graph, pattern.layout()));
-    if (sizeOf(graph, pattern, order).flops < amd.flops) best = {std::move(order), "metis"};
+    if (predictFactor(graph, pattern.layout(), order).flops < amd.flops) best = {std::move(order), "metis"};
   }
 #endif
   return best;

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <quiver/solvers/block/elimination_tree.h>
+#include <quiver/solvers/block/factor_pattern.h>
 #include <quiver/solvers/cholesky/kernels/kernel_table.h>
 #include <quiver/solvers/cholesky/node_tree.h>
 #include <quiver/solvers/cholesky/task_schedule.h>

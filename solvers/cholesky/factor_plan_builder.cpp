@@ -41,17 +41,19 @@ void FactorPlanBuilder::analyzeStructure(int threads) {
   EliminationTree tree(graph, order_);
   std::vector<int> post = postorder(tree.parent);
   if (post != order_) {
+    // The same tree with its nodes renumbered.
+    const std::vector<int> position = positionsOf(post);
+    const std::vector<int> parent = std::move(tree.parent);
+    tree.parent.assign(post.size(), -1);
+    for (std::size_t k = 0; k < post.size(); ++k) {
+      if (parent[post[k]] >= 0) tree.parent[k] = position[parent[post[k]]];
+    }
     order_ = std::move(post);
-    tree = EliminationTree(graph, order_);
   }
   dimensions_.reserve(order_.size());
   for (const int block : order_) dimensions_.push_back(pattern_.layout().dimension(block));
   factor_ = std::make_unique<FactorPattern>(graph, order_, tree);
-  std::vector<std::int64_t> scalars(order_.size());
-  for (std::size_t j = 0; j < order_.size(); ++j) {
-    for (const int row : factor_->column(static_cast<int>(j))) scalars[j] += dimensions_[row];
-  }
-  plan_.size = factorSize(dimensions_, scalars);
+  plan_.size = factorSize(dimensions_, factor_->columnWeights(dimensions_));
   tree_ = std::make_unique<NodeTree>(tree.parent, *factor_, dimensions_);
   plan_.nodes = tree_->nodes;
   plan_.schedule = TaskSchedule(plan_.nodes, threads);
@@ -170,6 +172,7 @@ void FactorPlanBuilder::layOutLeaf(int node, NodeStorage& storage) {
   const int blocks = leaf.lastBlock - leaf.firstBlock + storage.outside;
   plan_.workspaceCount += ceil8(blocks * leafStride(plan_.leafDimension));
   std::int32_t offset = 0;
+  targets_.clear();
   for (int column = leaf.firstBlock; column < leaf.lastBlock; ++column) addLeafColumn(node, column, offset);
   addLeafDestinations(node, storage.leafColumns);
   plan_.valueCount += ceil8(offset);
@@ -185,44 +188,54 @@ void FactorPlanBuilder::addLeafColumn(int node, int column, std::int32_t& offset
   entry.scalar = (column - leaf.firstBlock) * b;
   entry.below = static_cast<std::int32_t>(rows.size());
   entry.rows = narrow(static_cast<std::int64_t>(plan_.leafRows.size()));
+  const std::size_t metBefore = targets_.size();
   for (const int row : rows) {
     const int target = tree_->position[row];
     const bool inside = target < leaf.lastBlock;
-    entry.inside += inside ? 1 : 0;
+    if (inside) targets_.push_back(target - leaf.firstBlock);
     plan_.leafRows.push_back((inside ? target - leaf.firstBlock : columns + scratch_[row]) * leafStride(b));
     plan_.leafPositions.push_back(inside ? 0 : scratch_[row] * b);
   }
+  entry.inside = static_cast<std::int32_t>(targets_.size() - metBefore);
   plan_.leafColumns.push_back(entry);
   offset = narrow(std::int64_t{offset} + (entry.below + 1) * b * leafStride(b));
 }
 
-/// For blocks q ≤ i of a column: block (i, q) of the column of q, found by walking both lists of rows.
+/// For blocks q ≤ i of a column: block (i, q) of the column of q. Columns that are met are taken one by one: where
+/// their blocks lie is spread out once, and looked up by all columns that meet them.
 void FactorPlanBuilder::addLeafDestinations(int node, std::int64_t firstColumn) {
   const TreeNode& leaf = plan_.nodes[node];
-  const int size = plan_.leafDimension * leafStride(plan_.leafDimension);
+  const int stride = leafStride(plan_.leafDimension);
+  const int size = plan_.leafDimension * stride;
+  const int count = leaf.lastBlock - leaf.firstBlock;
   LeafColumn* columns = plan_.leafColumns.data() + firstColumn;
-  std::int64_t count = static_cast<std::int64_t>(plan_.leafDestinations.size());
-  for (int j = leaf.firstBlock; j < leaf.lastBlock; ++j) {
-    LeafColumn& column = columns[j - leaf.firstBlock];
-    column.destinations = narrow(count);
-    count += std::int64_t{column.inside} * (2 * std::int64_t{column.below} - column.inside + 1) / 2;
+  std::int64_t total = static_cast<std::int64_t>(plan_.leafDestinations.size());
+  std::vector<int> begin(count + 1, 0);  // of the list of a target's meetings
+  for (const int target : targets_) ++begin[target + 1];
+  for (int j = 0; j < count; ++j) begin[j + 1] += begin[j];
+  std::vector<std::pair<int, int>> meetings(targets_.size());  // column and number of the block in it
+  std::vector<int> next(begin.begin(), begin.end() - 1);
+  const int* target = targets_.data();
+  for (int j = 0; j < count; ++j) {
+    LeafColumn& column = columns[j];
+    column.destinations = narrow(total);
+    total += std::int64_t{column.inside} * (2 * std::int64_t{column.below} - column.inside + 1) / 2;
+    for (int q = 0; q < column.inside; ++q) meetings[next[*target++]++] = {j, q};
   }
-  plan_.leafDestinations.resize(count);
-  for (int j = leaf.firstBlock; j < leaf.lastBlock; ++j) {
-    const LeafColumn& column = columns[j - leaf.firstBlock];
-    std::int32_t* destination = plan_.leafDestinations.data() + column.destinations;
-    const int* rows = below(j).data();
-    for (int q = 0; q < column.inside; ++q) {
-      const int targetColumn = tree_->position[rows[q]];
-      const int* target = below(targetColumn).data();
-      std::int32_t offset = columns[targetColumn - leaf.firstBlock].values;
-      *destination++ = offset;
-      for (int i = q + 1; i < column.below; ++i) {
-        const int row = rows[i];
-        do offset += size;
-        while (*target++ != row);
-        *destination++ = offset;
-      }
+  plan_.leafDestinations.resize(total);
+  std::vector<std::int32_t> place((count + plan_.storage[node].outside) * stride);  // by row, as leafRows has them
+  for (int t = 0; t < count; ++t) {
+    if (begin[t] == begin[t + 1]) continue;
+    std::int32_t offset = columns[t].values;
+    place[t * stride] = offset;
+    for (int i = 0; i < columns[t].below; ++i) place[plan_.leafRows[columns[t].rows + i]] = offset += size;
+    for (int m = begin[t]; m < begin[t + 1]; ++m) {
+      const auto [j, q] = meetings[m];
+      const LeafColumn& column = columns[j];
+      const std::int32_t* rows = plan_.leafRows.data() + column.rows;
+      std::int32_t* destination =
+          plan_.leafDestinations.data() + column.destinations + q * column.below - q * (q - 1) / 2;
+      for (int i = q; i < column.below; ++i) *destination++ = place[rows[i]];
     }
   }
 }

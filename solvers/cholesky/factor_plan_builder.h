@@ -40,6 +40,7 @@ class FactorPlanBuilder {
   std::unique_ptr<FactorPattern> factor_;
   std::unique_ptr<NodeTree> tree_;
   std::vector<int> scratch_;
+  std::vector<int> targets_;  // of a leaf's blocks inside it: the column, counted from its first
 };
 
 }  // namespace quiver::detail

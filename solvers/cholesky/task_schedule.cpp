@@ -7,7 +7,7 @@ namespace quiver::detail {
 namespace {
 
 /// Below this much work a second thread costs more than it brings.
-constexpr double smallestSharedNanoseconds = 1.5e5;
+constexpr double smallestSharedNanoseconds = 6e4;
 /// How well a large front is divided.
 constexpr double frontEfficiency = 0.9;
 constexpr int mostSplitsPerThread = 48;

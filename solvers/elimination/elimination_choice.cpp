@@ -8,7 +8,7 @@
 
 #include <quiver/core/util/error.h>
 #include <quiver/solvers/assembly/assembly_plan.h>
-#include <quiver/solvers/block/elimination_tree.h>
+#include <quiver/solvers/block/factor_pattern.h>
 #include <quiver/solvers/block/ordering.h>
 #include <quiver/solvers/elimination/clique_pattern.h>
 #include <quiver/solvers/elimination/kernels/kernel_table.h>

@@ -9,7 +9,7 @@
 #include <quiver/solvers/backends/block_solver.h>
 #include <quiver/solvers/backends/dense_solver.h>
 #include <quiver/solvers/backends/pcg_solver.h>
-#include <quiver/solvers/block/elimination_tree.h>
+#include <quiver/solvers/block/factor_pattern.h>
 #include <quiver/solvers/predicted_memory.h>
 
 namespace quiver {

@@ -81,14 +81,15 @@ TEST(EdgeRows, GiveTheBitsThatListsGive) {
 
 TEST(EdgeRows, FollowChangedMeasurements) {
   Graph graph = bundle({});
+  const auto disturb = [](Graph& target, double width) {
+    target.forEachEdge([&](Edge& edge) { edge.setRobustKernel(RobustKernelHuber(width)); });
+  };
+  disturb(graph, 1.0);
   Optimizer optimizer({.maxIterations = 3, .algorithm = "lm", .threads = 1});
   const Summary first = optimizer.optimize(graph);
   Graph changed = graph;
-  const auto disturb = [](Graph& target) {
-    target.forEachEdge([](Edge& edge) { edge.setRobustKernel(RobustKernelHuber(1e-3)); });
-  };
-  disturb(graph);
-  disturb(changed);
+  disturb(graph, 1e-3);
+  disturb(changed, 1e-3);
   const Summary again = optimizer.optimize(graph);
   EXPECT_TRUE(optimizer.reused());
   const Summary anew = optimize(changed, {.maxIterations = 3, .algorithm = "lm", .threads = 1});

@@ -2,12 +2,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include <quiver/core/io/g2o/g2o_reader.h>
 #include <quiver/core/io/g2o/g2o_writer.h>
+#include <quiver/core/util/stopwatch.h>
 #include <quiver/plugins/builtin.h>
 
 #include "scratch_folder.h"
@@ -44,6 +46,14 @@ void saveAndKill(const std::string& path, const Graph& a, const Graph& b, unsign
   ::close(pipe[1]);
 }
 
+/// Microseconds in which a process saves some three times: kills within it meet every part of a saving.
+unsigned someSavings(const std::string& path, const Graph& a, const Graph& b) {
+  const Stopwatch watch;
+  writeGraph(path, b, {.threads = 1});
+  writeGraph(path, a, {.threads = 1});
+  return std::max(1000U, static_cast<unsigned>(1.5e6 * watch.seconds()));
+}
+
 /// Unfinished files that killed processes left, removed.
 int removeUnfinished(const std::filesystem::path& folder) {
   int count = 0;
@@ -63,7 +73,7 @@ TEST(KillDuringSave, TheOldOrTheNewFileIsWhole) {
   const std::string textB = graphText(b, {.threads = 1});
   const ScratchFolder folder;
   const std::string path = folder.file("graph.g2o");
-  writeGraph(path, a, {.threads = 1});
+  const unsigned window = someSavings(path, a, b);
 
   std::mt19937 random(1);
   constexpr int kills = 1000;
@@ -71,7 +81,7 @@ TEST(KillDuringSave, TheOldOrTheNewFileIsWhole) {
   int fresh = 0;
   int unfinished = 0;
   for (int i = 0; i < kills; ++i) {
-    ASSERT_NO_FATAL_FAILURE(saveAndKill(path, a, b, static_cast<unsigned>(random() % 10000)));
+    ASSERT_NO_FATAL_FAILURE(saveAndKill(path, a, b, static_cast<unsigned>(random() % window)));
     const std::string text = contents(path);
     ASSERT_TRUE(text == textA || text == textB) << "kill " << i << " left " << text.size() << " of " << textA.size();
     (text == textA ? old : fresh) += 1;

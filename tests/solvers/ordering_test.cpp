@@ -4,7 +4,7 @@
 
 #include <numeric>
 
-#include <quiver/solvers/block/elimination_tree.h>
+#include <quiver/solvers/block/factor_pattern.h>
 #include <tests/solvers/random_system.h>
 
 namespace quiver::test {

@@ -52,7 +52,7 @@ void check(const std::vector<std::int64_t>& free) {
   const Graph before = problem.graph;
   Graph fixed = held(problem.graph, free);
   const Summary summary = optimize(problem.graph, only(free));
-  optimize(fixed, only({}));
+  (void)optimize(fixed, only({}));
   EXPECT_TRUE(summary.converged() || summary.status == Status::stalled) << summary.reason;
   expectSameEstimates(problem.graph, fixed);
   before.forEachVertex([&](const Vertex& vertex) {
@@ -83,7 +83,7 @@ TEST(PartialBundle, MotionOnlyFindsThePose) {
   Vector<double, 6> off;
   off << 0.2, -0.1, 0.1, 0.05, -0.05, 0.1;
   pose.setEstimate(pose.estimate().retract(off));
-  optimize(problem.graph, only({1}));
+  (void)optimize(problem.graph, only({1}));
   EXPECT_LT(pose.estimate().localCoordinates(BundleProblem::pose(1)).norm(), 1e-10);
 }
 
@@ -93,7 +93,7 @@ TEST(PartialBundle, StructureOnlyFindsThePoints) {
   problem.withPixels();
   for (int j = 0; j < BundleProblem::points; ++j)
     problem.graph.vertex<VertexXYZ>(100 + j).setEstimate(BundleProblem::point(j) + Vector<double, 3>(0.2, -0.1, 0.4));
-  optimize(problem.graph, only(range(100, BundleProblem::points)));
+  (void)optimize(problem.graph, only(range(100, BundleProblem::points)));
   for (int j = 0; j < BundleProblem::points; ++j)
     EXPECT_LT((problem.graph.vertex<VertexXYZ>(100 + j).estimate() - BundleProblem::point(j)).norm(), 1e-9) << j;
 }

@@ -1,0 +1,34 @@
+#include <quiver/core/problem/panel_totals.h>
+
+#include <cmath>
+
+namespace quiver {
+namespace {
+
+double sumOf(const double (&part)[8]) {
+  return ((part[0] + part[1]) + (part[2] + part[3])) + ((part[4] + part[5]) + (part[6] + part[7]));
+}
+
+}  // namespace
+
+void PanelTotals::add(int first, int count, const double* squaredErrors, const double* costs) {
+  int i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    for (int lane = 0; lane < lanes; ++lane) {
+      chi2_[lane] += squaredErrors[i + lane];
+      cost_[lane] += costs[i + lane];
+    }
+  }
+  for (int lane = 0; i + lane < count; ++lane) {
+    chi2_[lane] += squaredErrors[i + lane];
+    cost_[lane] += costs[i + lane];
+  }
+  if (badEdge_ >= 0 || std::isfinite(sumOf(chi2_))) return;
+  for (int edge = 0; edge < count && badEdge_ < 0; ++edge) {
+    if (!std::isfinite(squaredErrors[edge])) badEdge_ = first + edge;
+  }
+}
+
+CostTotals PanelTotals::sum() const { return {sumOf(chi2_), sumOf(cost_), badEdge_ < 0 ? -1 : batch_, badEdge_}; }
+
+}  // namespace quiver

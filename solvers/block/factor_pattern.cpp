@@ -1,0 +1,94 @@
+#include <quiver/solvers/block/factor_pattern.h>
+
+#include <quiver/solvers/block/column_weights.h>
+
+namespace quiver {
+namespace {
+
+/// A run of columns that share a list.
+struct Chain {
+  int last;
+  /// Where its next row goes.
+  std::int64_t next;
+};
+
+}  // namespace
+
+FactorSize factorSize(std::span<const int> dimensions, std::span<const std::int64_t> below) {
+  FactorSize size;
+  for (std::size_t i = 0; i < dimensions.size(); ++i) {
+    for (int c = 1; c <= dimensions[i]; ++c) {
+      const std::int64_t entries = below[i] + c;
+      size.nonzeros += entries;
+      size.flops += static_cast<double>(entries) * static_cast<double>(entries);
+    }
+  }
+  return size;
+}
+
+FactorSize predictFactor(const BlockPattern& pattern, std::span<const int> order) {
+  return predictFactor(BlockGraph(pattern), pattern.layout(), order);
+}
+
+FactorSize predictFactor(const BlockGraph& graph, const BlockLayout& layout, std::span<const int> order) {
+  std::vector<int> dimensions;
+  dimensions.reserve(order.size());
+  for (const int block : order) dimensions.push_back(layout.dimension(block));
+  return factorSize(dimensions, columnWeights(graph, order, EliminationTree(graph, order), dimensions));
+}
+
+FactorPattern::FactorPattern(const BlockGraph& graph, std::span<const int> order, const EliminationTree& tree)
+    : begins_(order.size()), counts_(quiver::columnWeights(graph, order, tree, std::vector<int>(order.size(), 1))) {
+  const auto count = static_cast<int>(order.size());
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  std::vector<Chain> chains;
+  std::vector<int> chainOf(order.size());
+  std::int64_t size = 0;
+  for (int j = 0; j < count; ++j) {
+    // The rows of a column are among those of its parent and the parent itself: as many means all.
+    const bool joins = j > 0 && tree.parent[at(j - 1)] == j && counts_[at(j - 1)] == counts_[at(j)] + 1;
+    if (!joins) {
+      chains.push_back({j, size});
+      heads_.push_back(j);
+      size += counts_[at(j)];
+    }
+    chains.back().last = j;
+    chainOf[at(j)] = static_cast<int>(chains.size()) - 1;
+    begins_[at(j)] = chains.back().next + j - heads_.back();
+  }
+  rows_.resize(static_cast<std::size_t>(size));
+  // Row i of L is the part of the tree that the entries of row i of A reach on their way up to i.
+  const std::vector<int> position = positionsOf(order);
+  std::vector<int> met(chains.size(), -1);
+  for (int i = 0; i < count; ++i) {
+    const int own = chainOf[at(i)];
+    const auto meet = [&](int chain) {
+      met[at(chain)] = i;
+      rows_[static_cast<std::size_t>(chains[at(chain)].next++)] = i;
+    };
+    if (i > heads_[at(own)]) meet(own);
+    for (const int neighbour : graph.of(order[at(i)])) {
+      if (position[at(neighbour)] > i) continue;
+      for (int chain = chainOf[at(position[at(neighbour)])]; chain != own && met[at(chain)] != i;
+           chain = chainOf[at(tree.parent[at(chains[at(chain)].last)])])
+        meet(chain);
+    }
+  }
+}
+
+std::vector<std::int64_t> FactorPattern::columnWeights(std::span<const int> weights) const {
+  std::vector<std::int64_t> sums(counts_.size(), 0);
+  for (std::size_t c = 0; c < heads_.size(); ++c) {
+    const int end = c + 1 < heads_.size() ? heads_[c + 1] : static_cast<int>(counts_.size());
+    std::int64_t sum = 0;
+    for (const int row : column(heads_[c])) sum += weights[static_cast<std::size_t>(row)];
+    for (int j = heads_[c]; j < end; ++j) {
+      // Less the column itself, which is the first row of the one before.
+      if (j > heads_[c]) sum -= weights[static_cast<std::size_t>(j)];
+      sums[static_cast<std::size_t>(j)] = sum;
+    }
+  }
+  return sums;
+}
+
+}  // namespace quiver
