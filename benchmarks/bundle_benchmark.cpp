@@ -142,6 +142,7 @@ MotionCase makeMotion() {
   return motion;
 }
 
+/// Makes exactly so many trial steps: stopping rules are off. Returns the cost.
 double moveCamera(const std::shared_ptr<const Registry>& registry, const MotionCase& motion, int iterations) {
   Graph graph(registry);
   const Eigen::Vector3d t = motion.start.translation();
@@ -155,7 +156,10 @@ double moveCamera(const std::shared_ptr<const Registry>& registry, const MotionC
   }
   Options options = untilIterations(iterations);
   options.threads = 1;
-  return optimize(graph, options).finalCost;
+  const Summary summary = optimize(graph, options);
+  if (static_cast<int>(summary.iterations.size()) != iterations)
+    throw LogicError(fmt::format("{} trial steps instead of {}", summary.iterations.size(), iterations));
+  return summary.finalCost;
 }
 
 void compareMotion(int rounds, bench::JsonRows& json) {

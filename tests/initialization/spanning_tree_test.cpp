@@ -268,7 +268,8 @@ TEST_P(SpanningTreeStart, LeadsToTheBestKnownOptimum) {
 INSTANTIATE_TEST_SUITE_P(Graphs, SpanningTreeStart,
                          ::testing::Values(Published{"manhattan.g2o", 3549.036796}, Published{"MIT.g2o", 41.16326884},
                                            Published{"intel_odometry.g2o", 215.8302349},
-                                           Published{"torus3D.g2o", 14574.74644}));
+                                           Published{"torus3D.g2o", 14574.74644}),
+                         [](const auto& info) { return std::filesystem::path(info.param.file).stem().string(); });
 
 }  // namespace
 }  // namespace quiver
