@@ -98,7 +98,7 @@ void comparePublished(const bench::Arguments& arguments, bench::JsonRows& json) 
       Options options = untilIterations(10);
       options.elimination = types.empty() ? EliminationPolicy::automatic : EliminationPolicy::types;
       options.eliminatedTypes = std::move(types);
-      return bench::secondsOf([&] { optimize(graph, options); });
+      return bench::secondsOf([&] { (void)optimize(graph, options); });
     };
     const bench::Pair hint = bench::comparePairs(
         arguments.rounds,

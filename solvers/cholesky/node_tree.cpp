@@ -1,6 +1,7 @@
 #include <quiver/solvers/cholesky/node_tree.h>
 
 #include <algorithm>
+#include <limits>
 #include <queue>
 
 #include <quiver/solvers/cholesky/cost_model.h>
@@ -11,6 +12,9 @@ namespace {
 
 /// A leaf subtree should fit into a second-level cache; its doubles.
 constexpr double largestLeafValues = 2.0 * 1024 * 1024 / 8;
+/// A leaf subtree is one thread's: this share of the work at most, where there is work for several.
+constexpr double largestLeafShare = 0.45;
+constexpr double leastSharedNanoseconds = 6e4;
 
 /// Block columns with one structure: [first, last] in elimination order.
 struct Supernode {
@@ -56,8 +60,12 @@ std::vector<Supernode> findSupernodes(const std::vector<int>& parent, const Fact
   return supernodes;
 }
 
-/// Bottom-up: is the subtree cheaper as one leaf or as a front above its children's best?
-void chooseLeaves(std::vector<Supernode>& supernodes, const FactorPattern& factor, int dimension) {
+/// Bottom-up: is the subtree cheaper as one leaf, of at most `dearestLeaf`, or as a front above its children's best?
+/// Returns the cost of everything.
+double chooseLeaves(std::vector<Supernode>& supernodes, const FactorPattern& factor, int dimension,
+                    double dearestLeaf) {
+  for (Supernode& node : supernodes) node.bestCost = node.leafCost = node.leafValues = 0.0;
+  double total = 0.0;
   for (std::size_t s = 0; s < supernodes.size(); ++s) {
     Supernode& node = supernodes[s];
     const double front = node.bestCost + frontNanoseconds(node.columns, node.rows);
@@ -69,16 +77,20 @@ void chooseLeaves(std::vector<Supernode>& supernodes, const FactorPattern& facto
         node.leafValues += (below + 1.0) * dimension * leafStride(dimension);
       }
       const double leaf = node.leafCost + leafUpdateNanoseconds(node.rows);
-      node.asLeaf = node.leafValues <= largestLeafValues && leaf <= front;
+      node.asLeaf = node.leafValues <= largestLeafValues && leaf <= std::min(front, dearestLeaf);
       if (node.asLeaf) node.bestCost = leaf;
     }
-    if (node.parent < 0) continue;
+    if (node.parent < 0) {
+      total += node.bestCost;
+      continue;
+    }
     Supernode& up = supernodes[node.parent];
     up.bestCost += node.bestCost;
     up.leafCost += node.leafCost;
     up.leafValues += node.leafValues;
     up.firstDescendant = std::min(up.firstDescendant, node.firstDescendant);
   }
+  return total;
 }
 
 /// For each supernode the one at the top of the leaf subtree it lies in, or −1.
@@ -208,7 +220,9 @@ std::vector<double> childWeights(const std::vector<TreeNode>& nodes) {
 
 NodeTree::NodeTree(const std::vector<int>& parent, const FactorPattern& factor, const std::vector<int>& dimensions) {
   std::vector<Supernode> supernodes = findSupernodes(parent, factor, dimensions);
-  chooseLeaves(supernodes, factor, uniformDimension(dimensions));
+  const int dimension = uniformDimension(dimensions);
+  const double total = chooseLeaves(supernodes, factor, dimension, std::numeric_limits<double>::infinity());
+  if (total > leastSharedNanoseconds) chooseLeaves(supernodes, factor, dimension, largestLeafShare * total);
   const std::vector<int> leafRoot = leafRoots(supernodes);
   const std::vector<int> representative = Amalgamation(supernodes, leafRoot).representatives();
 
