@@ -9,6 +9,7 @@
 #include <quiver/core/util/stopwatch.h>
 #include <quiver/solvers/backends/block_solver.h>
 #include <quiver/solvers/backends/dense_solver.h>
+#include <quiver/solvers/linear_outcome.h>
 #include <quiver/solvers/predicted_memory.h>
 
 namespace quiver {
@@ -18,22 +19,6 @@ namespace {
 constexpr std::int64_t denseScalars = 48;
 /// What the assembly keeps for an edge: where its records and its blocks go.
 constexpr std::int64_t edgeBytes = 48;
-
-LinearOutcome::Kind kindOf(SolverStatus::Outcome outcome) {
-  switch (outcome) {
-    case SolverStatus::Outcome::success:
-      return LinearOutcome::Kind::success;
-    case SolverStatus::Outcome::notPositiveDefinite:
-      return LinearOutcome::Kind::notPositiveDefinite;
-    case SolverStatus::Outcome::notConverged:
-      return LinearOutcome::Kind::notConverged;
-    case SolverStatus::Outcome::interrupted:
-      return LinearOutcome::Kind::interrupted;
-    case SolverStatus::Outcome::memoryLimit:
-      break;
-  }
-  return LinearOutcome::Kind::memoryLimit;
-}
 
 }  // namespace
 
@@ -152,12 +137,8 @@ void NormalEquations::loadGradient() {
 }
 
 LinearOutcome NormalEquations::outcomeOf(const SolverStatus& status) const {
-  LinearOutcome outcome;
-  outcome.kind = kindOf(status.outcome);
-  outcome.iterations = solver_->statistics().iterations;
+  LinearOutcome outcome = quiver::outcomeOf(status, *solver_);
   if (status.block >= 0) outcome.variable = order_[static_cast<std::size_t>(status.block)];
-  outcome.coordinate = status.coordinate;
-  outcome.pivot = status.pivot;
   return outcome;
 }
 

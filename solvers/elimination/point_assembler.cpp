@@ -161,14 +161,7 @@ CostTotals PointAssembler::linearize(const State& state, PhaseSeconds& seconds) 
   });
   if (problem_->anyHeldDirections()) holdPoints();
   CostTotals totals;
-  for (const Piece& piece : pieces_) {
-    totals.chi2 += piece.totals.chi2;
-    totals.cost += piece.totals.cost;
-    if (totals.badBatch < 0 && piece.totals.badBatch >= 0) {
-      totals.badBatch = piece.totals.badBatch;
-      totals.badEdge = piece.totals.badEdge;
-    }
-  }
+  for (const Piece& piece : pieces_) totals.add(piece.totals);
   seconds.assemble += watch.lap();
   return totals;
 }

@@ -10,6 +10,7 @@
 #include <quiver/solvers/backends/dense_solver.h>
 #include <quiver/solvers/backends/pcg_solver.h>
 #include <quiver/solvers/block/factor_pattern.h>
+#include <quiver/solvers/linear_outcome.h>
 #include <quiver/solvers/predicted_memory.h>
 
 namespace quiver {
@@ -34,22 +35,6 @@ constexpr double stepTolerance = 1e-3;
 bool prefersProducts(const BlockPattern& pattern, const EliminationPlan& plan) {
   return static_cast<double>(pattern.entries()) * secondsPerBlock >
          static_cast<double>(plan.rows().size()) * secondsPerRow;
-}
-
-LinearOutcome::Kind kindOf(SolverStatus::Outcome outcome) {
-  switch (outcome) {
-    case SolverStatus::Outcome::success:
-      return LinearOutcome::Kind::success;
-    case SolverStatus::Outcome::notPositiveDefinite:
-      return LinearOutcome::Kind::notPositiveDefinite;
-    case SolverStatus::Outcome::notConverged:
-      return LinearOutcome::Kind::notConverged;
-    case SolverStatus::Outcome::interrupted:
-      return LinearOutcome::Kind::interrupted;
-    case SolverStatus::Outcome::memoryLimit:
-      break;
-  }
-  return LinearOutcome::Kind::memoryLimit;
 }
 
 }  // namespace
@@ -277,12 +262,8 @@ SolverStatus SchurSystem::applyFactor(std::span<double> x) {
 }
 
 LinearOutcome SchurSystem::outcomeOf(const SolverStatus& status) const {
-  LinearOutcome outcome;
-  outcome.kind = kindOf(status.outcome);
-  outcome.iterations = solver_->statistics().iterations;
+  LinearOutcome outcome = quiver::outcomeOf(status, *solver_);
   if (status.block >= 0) outcome.variable = elimination_.keptVariable(order_[static_cast<std::size_t>(status.block)]);
-  outcome.coordinate = status.coordinate;
-  outcome.pivot = status.pivot;
   return outcome;
 }
 
