@@ -19,7 +19,7 @@ namespace {
 constexpr int pieceEdges = 256;
 /// Nanoseconds, about: what is worth a thread.
 constexpr double evaluationPerRow = 3.0;
-constexpr double retractionPerVariable = 6.0;
+constexpr double retractionPerVariable = 15.0;
 
 bool coversAll(std::uint64_t mask, int dimension) {
   const std::uint64_t all = dimension >= 64 ? Vertex::allDirections : (std::uint64_t{1} << dimension) - 1;

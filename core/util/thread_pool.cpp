@@ -4,8 +4,11 @@ namespace quiver::detail {
 namespace {
 
 /// How often an idle thread looks before it sleeps: a third of a millisecond, more than the pauses between the loops of
-/// one computation.
+/// one computation. Threads beyond the machine's would only keep the others from working.
 constexpr int spins = 20000;
+constexpr int spinsBeyondMachine = 100;
+/// How often a caller looks whether its helpers are done before it lets others have its core.
+constexpr int spinsAtEnd = 2000;
 
 thread_local bool inside = false;
 
@@ -41,7 +44,11 @@ void ThreadPool::work(Loop& loop) {
 }
 
 void ThreadPool::startThreads(int count) {
-  while (static_cast<int>(threads_.size()) < count) threads_.emplace_back([this] { help(); });
+  const std::size_t cores = std::thread::hardware_concurrency();
+  while (static_cast<int>(threads_.size()) < count) {
+    const bool ownCore = threads_.size() + 1 < cores;
+    threads_.emplace_back([this, ownCore] { help(ownCore ? spins : spinsBeyondMachine); });
+  }
 }
 
 void ThreadPool::run(std::int64_t count, int helpers, FunctionRef<void(std::int64_t)> task) {
@@ -65,7 +72,7 @@ void ThreadPool::run(std::int64_t count, int helpers, FunctionRef<void(std::int6
 
 void ThreadPool::waitForHelpers() {
   for (int i = 0; active_.load(std::memory_order_acquire) != 0; ++i) {
-    if (i < spins) {
+    if (i < spinsAtEnd) {
       pause();
     } else {
       std::this_thread::yield();
@@ -73,10 +80,10 @@ void ThreadPool::waitForHelpers() {
   }
 }
 
-void ThreadPool::help() {
+void ThreadPool::help(int looks) {
   std::uint64_t seen = 0;
   while (true) {
-    for (int i = 0; i < spins && published_.load(std::memory_order_relaxed) == seen; ++i) pause();
+    for (int i = 0; i < looks && published_.load(std::memory_order_relaxed) == seen; ++i) pause();
     Loop* loop = nullptr;
     {
       std::unique_lock lock(mutex_);

@@ -38,7 +38,8 @@ class ThreadPool {
 
   ThreadPool() = default;
   static void work(Loop& loop);
-  void help();
+  /// Joins loops for ever; looks so often for the next one before it sleeps.
+  void help(int looks);
   void startThreads(int count);
   void waitForHelpers();
 
