@@ -143,8 +143,12 @@ void addEvaluateCommand(CLI::App& parser, int&) {
       ->type_name("M")
       ->check(numberFrom(0, false))
       ->excludes(step);
-  command->add_option("-o,--output", flags->svg, "Draw both trajectories as SVG here")->type_name("SVG");
-  command->add_option("--json", flags->json, "Write the errors as JSON here (- is standard output)")->type_name("FILE");
+  command->add_option("-o,--output", flags->svg, "Draw both trajectories as SVG here")
+      ->type_name("SVG")
+      ->check(outputPath());
+  command->add_option("--json", flags->json, "Write the errors as JSON here (- is standard output)")
+      ->type_name("FILE")
+      ->check(outputPath());
   command->footer(
       "Examples:\n  quiver evaluate optimised.g2o truth.g2o -o errors.svg\n"
       "  quiver evaluate monocular.txt truth.txt --align sim3 --step-metres 10 --json -");

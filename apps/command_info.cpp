@@ -11,6 +11,7 @@
 #include <quiver/apps/info/info_text.h>
 #include <quiver/apps/info/loose_vertices.h>
 #include <quiver/apps/info/residual_survey.h>
+#include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/initial_guess.h>
 #include <quiver/apps/support/log_dialect.h>
@@ -211,7 +212,9 @@ void addInfoCommand(CLI::App& parser, int&) {
       ->type_name("N")
       ->check(CLI::Range(0, 1000000).description(""))
       ->capture_default_str();
-  command->add_option("--json", flags->json, "Write all of it as JSON here (- is standard output)")->type_name("FILE");
+  command->add_option("--json", flags->json, "Write all of it as JSON here (- is standard output)")
+      ->type_name("FILE")
+      ->check(outputPath());
   command->footer("Examples:\n  quiver info city.g2o\n  quiver info city.g2o --plan --worst 20 --json city.json");
   command->callback([flags] { info(*flags); });
 }

@@ -5,6 +5,7 @@
 #include <quiver/apps/commands.h>
 #include <quiver/apps/list/types_markdown.h>
 #include <quiver/apps/optimize/solver_names.h>
+#include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/output.h>
 #include <quiver/apps/support/standard_streams.h>
@@ -177,7 +178,9 @@ void addListCommand(CLI::App& parser, int&) {
   CLI::App* command = parser.add_subcommand("list", "List the types, solvers, initial guesses and kernels there are");
   auto flags = std::make_shared<Flags>();
   addPluginOption(*command, flags->plugins);
-  command->add_option("--json", flags->json, "Write the list as JSON here (- is standard output)")->type_name("FILE");
+  command->add_option("--json", flags->json, "Write the list as JSON here (- is standard output)")
+      ->type_name("FILE")
+      ->check(outputPath());
   command->add_flag("--markdown", flags->markdown, "Write the types as tables in Markdown (docs/types.md)");
   command->footer("Examples:\n  quiver list\n  quiver list --plugin libbeacons.so --json -");
   command->callback([flags] {

@@ -62,7 +62,9 @@ void addSimulateCommand(CLI::App& parser, int&) {
   sphere->add_option("-o,--output", flags->output, "Graph to write: noisy odometry as its estimates")
       ->required()
       ->type_name("OUT");
-  sphere->add_option("--truth", flags->truth, "Write the same graph at the true poses here")->type_name("FILE");
+  sphere->add_option("--truth", flags->truth, "Write the same graph at the true poses here")
+      ->type_name("FILE")
+      ->check(outputPath());
   sphere->add_option("--seed", flags->sphere.seed, "Seed of the noise")->type_name("N")->capture_default_str();
   sphere->add_option("--laps", flags->sphere.laps, "Laps from pole to pole")
       ->type_name("N")

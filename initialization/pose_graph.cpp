@@ -164,11 +164,14 @@ PoseGraph<D> readPoseGraph(Graph& graph, const Options& options) {
     if (graph.typeOf(vertex).poseKind() == PoseOf<D>::kind) poses.vertices.push_back(&vertex);
   });
   sortVertices(graph, poses.vertices);
+  std::vector<std::int64_t> free = options.free;
+  std::sort(free.begin(), free.end());
   IdMap index;
   for (std::size_t i = 0; i < poses.vertices.size(); ++i) {
     Vertex& vertex = *poses.vertices[i];
     index.insert(vertex.id(), {0, static_cast<std::int32_t>(i)});
-    poses.held.push_back(vertex.fixedDirections() != 0 && vertex.hasEstimate());
+    const bool moves = free.empty() || std::binary_search(free.begin(), free.end(), vertex.id());
+    poses.held.push_back((vertex.fixedDirections() != 0 || !moves) && vertex.hasEstimate());
     const Pose x =
         vertex.hasEstimate() ? Packing<Pose>::template load<double>(graph.typeOf(vertex).values(vertex)) : Pose();
     poses.rotations.push_back(PoseOf<D>::rotation(x));

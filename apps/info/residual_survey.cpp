@@ -32,6 +32,7 @@ ResidualSurvey surveyResiduals(Graph& graph, std::int64_t determined, int worst)
   survey.gates = {{{0.95, 0, 0.0}, {0.99, 0, 0.0}, {0.999, 0, 0.0}}};
   std::vector<EdgeProbability> edges;
   for (const EdgeChi2& entry : evaluateEdges(graph)) {
+    if (entry.edge->level() != 0) continue;  // takes no part in `optimize` either
     survey.chi2 += entry.chi2;
     survey.cost += entry.cost;
     const int dimension = weightedDimension(graph, *entry.edge);

@@ -25,7 +25,7 @@ struct EdgeProbability {
   double pValue = 1.0;
 };
 
-/// What the residuals at the graph's estimates say about its measurements.
+/// What the residuals of the edges that `optimize` takes (level 0) say at the graph's estimates about the measurements.
 struct ResidualSurvey {
   double chi2 = 0.0;
   double cost = 0.0;

@@ -169,7 +169,8 @@ void addRobustFlags(CLI::App& command, OptimizeFlags& flags) {
 void addOptimizeFlags(CLI::App& command, OptimizeFlags& flags) {
   addSourceOptions(command, flags.source);
   command.add_option("-o,--output", flags.output, "Write the optimised graph here (- is standard output)")
-      ->type_name("OUT");
+      ->type_name("OUT")
+      ->check(outputPath());
   addAlgorithmFlags(command, flags);
   addStartFlags(command, flags);
   addRobustFlags(command, flags);
@@ -179,7 +180,9 @@ void addOptimizeFlags(CLI::App& command, OptimizeFlags& flags) {
       ->type_name("SECONDS")
       ->check(numberFrom(0));
   addDialectOption(command, flags.dialect);
-  command.add_option("--json", flags.json, "Write a report of the run here (- is standard output)")->type_name("FILE");
+  command.add_option("--json", flags.json, "Write a report of the run here (- is standard output)")
+      ->type_name("FILE")
+      ->check(outputPath());
   command.add_flag("--quiet", flags.quiet, "No progress and no summary; errors are told all the same");
 }
 

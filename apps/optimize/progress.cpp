@@ -38,7 +38,7 @@ void Progress::finish(const Summary& summary) {
 std::string closingText(const Summary& summary) {
   const SolvePlan& plan = summary.plan;
   std::string text;
-  if (!plan.algorithm.empty()) {
+  if (!plan.algorithm.empty() && !plan.linearSolver.empty()) {
     text += fmt::format("algorithm {} ({}), linear solver {}, ordering {}, {} thread{}\n", plan.algorithm,
                         plan.algorithmReason, plan.linearSolver, plan.ordering.empty() ? "none" : plan.ordering,
                         summary.threads, summary.threads == 1 ? "" : "s");

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/simulate/bundle.h>
+#include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/output.h>
@@ -54,7 +55,8 @@ void addBundleSimulation(CLI::App& simulate) {
       ->required()
       ->type_name("OUT");
   command->add_option("--truth", flags->truth, "Write the same problem at the true cameras and points here")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(outputPath());
   command->add_option("--scene", bundle.scene, "loop: a circle, looking outwards; city: round the blocks of a city")
       ->type_name("loop|city")
       ->check(CLI::IsMember({"loop", "city"}).description(""))

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/simulate/world_settings.h>
+#include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/output.h>
 #include <quiver/apps/support/standard_streams.h>
@@ -64,7 +65,9 @@ void addWorld(CLI::App& simulateCommand, WorldKind kind, const char* name, const
   command->add_option("-o,--output", flags->output, "Graph to write: noisy odometry as its estimates")
       ->required()
       ->type_name("OUT");
-  command->add_option("--truth", flags->truth, "Write the same graph at the true estimates here")->type_name("FILE");
+  command->add_option("--truth", flags->truth, "Write the same graph at the true estimates here")
+      ->type_name("FILE")
+      ->check(outputPath());
   command->add_option("--seed", flags->world.seed, "Seed of the way and the noise")
       ->type_name("N")
       ->capture_default_str();

@@ -56,4 +56,11 @@ inline CLI::Validator vertexId() {
       "");
 }
 
+/// The path of an output: not empty, as that of an unset variable is.
+inline CLI::Validator outputPath() {
+  return CLI::Validator(
+      [](std::string& word) -> std::string { return word.empty() ? "the path of the file to write is empty" : ""; },
+      "");
+}
+
 }  // namespace quiver::app

@@ -147,12 +147,16 @@ void Descent::emitReport(bool accepted) {
 
 bool Descent::stopRuleMet(double costBefore) {
   const double change = std::abs(costBefore - totals_.cost);
-  if (change < options_.costTolerance * std::abs(totals_.cost) || totals_.cost == 0.0) {
-    finish(Status::converged, ShortText("the cost changed by {:.2e} of itself, less than {:.0e} is asked",
-                                        change / std::max(totals_.cost, 1e-300), options_.costTolerance));
+  if (totals_.cost == 0.0) {
+    finish(Status::converged, "the cost is zero");
     return true;
   }
-  const double gradient = gradient_ / std::max(1.0, firstGradient_);
+  if (change < options_.costTolerance * std::abs(totals_.cost)) {
+    finish(Status::converged, ShortText("the cost changed by {:.2e} of itself, less than {:.0e} is asked",
+                                        change / totals_.cost, options_.costTolerance));
+    return true;
+  }
+  const double gradient = gradient_ / firstGradient_;
   if (gradient < options_.gradientTolerance) {
     finish(Status::converged, ShortText("the gradient is {:.2e} of the first, less than {:.0e} is asked", gradient,
                                         options_.gradientTolerance));

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <span>
 
+#include <quiver/core/algorithm/gauge_holds.h>
 #include <quiver/core/problem/lane_records.h>
 #include <quiver/core/util/parallel.h>
 #include <quiver/geometry/scalar/isa.h>
@@ -38,11 +39,10 @@ class DisjointSets {
   std::vector<int> parent_;
 };
 
-using Generators = Eigen::Matrix<double, gaugeDirections, gaugeDirections>;
+using Generators = detail::GaugeProducts;
+using Combinations = detail::GaugeCombinations;
 
-/// Generators lie in rows of eight numbers, of which seven count, so that the innermost loops run over whole vectors.
-constexpr int padded = 8;
-static_assert(gaugeDirections <= padded);
+constexpr int padded = detail::gaugeRow;
 /// Edges a piece, at least; pieces at most.
 constexpr std::int64_t pieceEdges = 4096;
 constexpr std::int64_t mostPieces = 16;
@@ -136,8 +136,10 @@ std::vector<double> slotGenerators(const Problem& problem, std::vector<std::int6
   return all;
 }
 
-/// Eigenvalues below `zero` of the rows and columns `live` of a matrix, scaled by the roots of `scale`.
-int nullity(const Generators& matrix, std::span<const double> scale, const std::vector<int>& live, double zero) {
+/// Combinations of generators, a column each: eigenvectors with eigenvalues below `zero` of the rows and columns `live`
+/// of a matrix that is scaled by the roots of `scale`.
+Combinations nullSpace(const Generators& matrix, std::span<const double> scale, const std::vector<int>& live,
+                       double zero) {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, gaugeDirections, gaugeDirections> scaled(live.size(),
                                                                                                     live.size());
   for (std::size_t a = 0; a < live.size(); ++a) {
@@ -146,13 +148,19 @@ int nullity(const Generators& matrix, std::span<const double> scale, const std::
       scaled(static_cast<int>(a), static_cast<int>(b)) = matrix(live[a], live[b]) / std::sqrt(product);
     }
   }
-  const Eigen::SelfAdjointEigenSolver<decltype(scaled)> eigen(scaled, Eigen::EigenvaluesOnly);
-  return static_cast<int>((eigen.eigenvalues().array() < zero).count());
+  const Eigen::SelfAdjointEigenSolver<decltype(scaled)> eigen(scaled);
+  const auto count = (eigen.eigenvalues().array() < zero).count();
+  Combinations result = Combinations::Zero(gaugeDirections, count);
+  for (std::size_t a = 0; a < live.size(); ++a) {
+    result.row(live[a]) =
+        eigen.eigenvectors().row(static_cast<int>(a)).head(count) / std::sqrt(scale[static_cast<std::size_t>(live[a])]);
+  }
+  return result;
 }
 
-/// The combinations of generators that change errors by less than `noticed` of their scale, less those that move
-/// nothing at all: among the generators of a single vertex, say, there are more than it has directions.
-int freeDirections(const Products& products, double noticed) {
+/// The combinations of generators that change errors by less than `noticed` of their scale, and their number less those
+/// that move nothing at all: among the generators of a single vertex, say, there are more than it has directions.
+int freeDirections(const Products& products, double noticed, Combinations& unseen) {
   // Generators that move nothing (a roll in the plane) are left out; the others are scaled to compare with each other.
   std::vector<int> live;
   for (int k = 0; k < gaugeDirections; ++k) {
@@ -161,9 +169,9 @@ int freeDirections(const Products& products, double noticed) {
   if (live.empty()) return 0;
   const Eigen::Map<const Generators, 0, Eigen::OuterStride<padded>> square(products.square.data());
   const Eigen::Matrix<double, gaugeDirections, 1> lengths = products.gram.diagonal();
-  const int unseen = nullity(square, products.scale, live, noticed);
-  const int motionless = nullity(products.gram, {lengths.data(), gaugeDirections}, live, 1e-13);
-  return std::max(0, unseen - motionless);
+  unseen = nullSpace(square, products.scale, live, noticed);
+  const auto motionless = nullSpace(products.gram, {lengths.data(), gaugeDirections}, live, 1e-13).cols();
+  return std::max(0, static_cast<int>(unseen.cols() - motionless));
 }
 
 /// What adding edges reads.
@@ -352,7 +360,10 @@ std::vector<ComponentGauge> findGauges(const Problem& problem) {
   }
   for (std::size_t i = 0; i < gauges.size(); ++i) {
     gauges[i].anchor = findAnchor(problem, gauges[i].variables);
-    gauges[i].free = gauges[i].tested ? freeDirections(products[i], unnoticed) : 0;
+    Combinations unseen(gaugeDirections, 0);
+    gauges[i].free = gauges[i].tested ? freeDirections(products[i], unnoticed, unseen) : 0;
+    if (gauges[i].free > 0)
+      gauges[i].holds = detail::chooseHolds(problem, gauges[i], products[i].gram, unseen, generators, begin);
   }
   return gauges;
 }

@@ -14,8 +14,12 @@ struct ComponentGauge {
   int free = 0;
   /// False if a vertex type on it supplies no generators and the freedom cannot be tested.
   bool tested = true;
-  /// The variable of lowest id among those of largest dimension: fixing it removes the freedom.
+  /// The variable of lowest id among those of largest dimension.
   int anchor = -1;
+  /// What to hold so that the freedom is gone and nothing else: as many directions as are free, of the anchor and, if
+  /// those do not do, of others. No minimum of the cost is lost by it: from each one the free directions lead to
+  /// another of the same cost where these are as they were.
+  std::vector<HeldDirections> holds;
 };
 
 /// Connected components of the variables (fixed vertices do not connect) and their free directions.

@@ -1,6 +1,7 @@
 #include <quiver/core/algorithm/optimizer.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -38,31 +39,49 @@ std::unique_ptr<LinearSystem> makeSystem(const Registry& registry, const Options
       fmt::format("no linear solver '{}'; the registry has {}", options.linearSolver, known.empty() ? "none" : known));
 }
 
-std::string describeGauge(const GaugeReport& report, bool fixes, int found) {
+/// "3", or "3 in theta [rad]" if the vertex is held in part.
+std::string describeHold(const Problem& problem, const HeldDirections& hold) {
+  const int slot = problem.slotOfVariable(hold.variable);
+  const int dimension = problem.dimension(hold.variable);
+  const std::int64_t id = problem.vertex(slot).id();
+  if (std::popcount(hold.directions) == dimension) return fmt::format("{}", id);
+  const std::vector<std::string> names = problem.vertexType(slot).tangentNames(dimension);
+  std::vector<std::string> held;
+  for (int i = 0; i < dimension; ++i) {
+    if (hold.directions >> i & 1) held.push_back(names[static_cast<std::size_t>(i)]);
+  }
+  return fmt::format("{} in {}", id, fmt::join(held, ", "));
+}
+
+std::string describeGauge(const GaugeReport& report, bool fixes, int found, const std::vector<std::string>& holds) {
   const std::string components = report.components == 1 ? "" : fmt::format(" in {} components", report.components);
   if (found == 0) return fmt::format("nothing is free{}", components);
   if (!fixes) return fmt::format("{} directions are free{} and left so", found, components);
-  std::string ids;
-  for (const std::int64_t id : report.fixed) ids += fmt::format("{}{}", ids.empty() ? "" : ", ", id);
-  return fmt::format("{} directions are free{}; vertex {} held", found, components, ids);
+  return fmt::format("{} directions are free{}; vertex {} held", found, components, fmt::join(holds, ", "));
 }
 
-/// Detects the gauge and, if the policy says so, holds one vertex a component.
+/// Detects the gauge and, if the policy says so, holds as many directions as are free.
 void settleGauge(Problem& problem, const Options& options, bool damped, GaugeReport& report) {
   const bool fixes = options.gauge == GaugePolicy::fix || (options.gauge == GaugePolicy::automatic && !damped);
   const std::vector<ComponentGauge> gauges = findGauges(problem);
   report.components = static_cast<int>(gauges.size());
-  std::vector<int> anchors;
+  std::vector<HeldDirections> holds;
+  std::vector<std::string> words;
   int found = 0;
+  int held = 0;
   for (const ComponentGauge& gauge : gauges) {
     found += gauge.free;
-    if (gauge.free == 0 || !fixes) continue;
-    anchors.push_back(gauge.anchor);
-    report.fixed.push_back(problem.vertex(problem.slotOfVariable(gauge.anchor)).id());
+    if (!fixes) continue;
+    for (const HeldDirections& hold : gauge.holds) {
+      holds.push_back(hold);
+      held += std::popcount(hold.directions);
+      words.push_back(describeHold(problem, hold));
+      report.fixed.push_back(problem.vertex(problem.slotOfVariable(hold.variable)).id());
+    }
   }
-  report.free = fixes ? 0 : found;
-  report.reason = describeGauge(report, fixes, found);
-  if (!anchors.empty()) problem.fixVariables(anchors);
+  report.free = found - held;
+  report.reason = describeGauge(report, fixes, found, words);
+  if (!holds.empty()) problem.holdDirections(holds);
 }
 
 int threadsOf(const Options& options) { return options.threads > 0 ? options.threads : hardwareThreads(); }

@@ -44,7 +44,7 @@ struct Options {
   std::stop_token stopToken = {};
   /// Stop when |Δcost| / cost of an accepted step is below this. This rule and the next two are switched off by 0.
   double costTolerance = 1e-10;
-  /// Stop when ‖g‖∞ / max(1, ‖g₀‖∞) is below this.
+  /// Stop when ‖g‖∞ / ‖g₀‖∞ is below this.
   double gradientTolerance = 1e-10;
   /// Stop when ‖Δ‖ / (‖x‖ + 1e-10) is below this.
   double stepTolerance = 1e-10;

@@ -168,11 +168,23 @@ void Problem::numberVariables(const std::vector<char>& movable) {
   }
 }
 
-void Problem::fixVariables(std::span<const int> variables) {
+void Problem::holdDirections(std::span<const HeldDirections> holds) {
   std::vector<char> movable(vertices_.size());
   for (std::size_t slot = 0; slot < vertices_.size(); ++slot) movable[slot] = slotVariables_[slot] >= 0;
-  for (const int variable : variables) movable[static_cast<std::size_t>(slotOfVariable(variable))] = 0;
+  std::vector<std::pair<int, std::uint64_t>> partly;  // slot and directions
+  for (const HeldDirections& hold : holds) {
+    const int slot = slotOfVariable(hold.variable);
+    if (coversAll(hold.directions | heldDirections(hold.variable), dimension(hold.variable))) {
+      movable[static_cast<std::size_t>(slot)] = 0;
+    } else {
+      partly.emplace_back(slot, hold.directions);
+    }
+  }
   numberVariables(movable);
+  for (const auto& [slot, directions] : partly) {
+    held_[static_cast<std::size_t>(variableOfSlot(slot))] |= directions;
+    anyHeld_ = true;
+  }
 }
 
 void Problem::makeBatches(std::vector<std::vector<const Edge*>> edges, const std::vector<std::int32_t>& ends) {

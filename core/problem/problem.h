@@ -21,6 +21,12 @@ struct ProblemScope {
   int threads = 1;
 };
 
+/// Tangent directions of a variable, by bits, that are held.
+struct HeldDirections {
+  int variable = -1;
+  std::uint64_t directions = 0;
+};
+
 /// What is solved: slots, free vertices, edges by type, two buffers of estimates. Compiled from a graph, which must
 /// outlive it and must not lose elements meanwhile.
 ///
@@ -55,8 +61,9 @@ class Problem {
   std::uint64_t heldDirections(int variable) const { return held_[static_cast<std::size_t>(variable)]; }
   bool anyHeldDirections() const { return anyHeld_; }
 
-  /// Makes variables constants, before a linear system is analysed.
-  void fixVariables(std::span<const int> variables);
+  /// Holds directions of variables beside those that their vertices hold, before a linear system is analysed. A
+  /// variable all of whose directions are held becomes a constant.
+  void holdDirections(std::span<const HeldDirections> holds);
 
   int batches() const { return static_cast<int>(batches_.size()); }
   const EdgeBatch& batch(int i) const { return *batches_[static_cast<std::size_t>(i)]; }

@@ -109,7 +109,10 @@ class EdgeSE3Plane : public BaseEdge<EdgeSE3Plane, 3, Vector<double, 7>, VertexS
     S n[3];
     for (int i = 0; i < 3; ++i) n[i] = R(0, i) * z[0] + R(1, i) * z[1] + R(2, i) * z[2];
     const S flat = n[0] * n[0] + n[1] * n[1];
-    const S a[3] = {S(-s / h), S(c / h), S(0.0)}, level[3] = {c, s, S(0.0)}, up[3] = {S(0.0), S(0.0), S(1.0)};
+    // At the poles the frame turns at any speed; what that does to the error is a product with the error itself.
+    const auto pole = h < S(1e-12);
+    const S rate = select(pole, S(0.0), S(S(1.0) / select(pole, S(1.0), h)));
+    const S a[3] = {S(-s * rate), S(c * rate), S(0.0)}, level[3] = {c, s, S(0.0)}, up[3] = {S(0.0), S(0.0), S(1.0)};
     Matrix<S, 2, 3> G;
     for (int i = 0; i < 3; ++i) {
       const S dn0 = z[i], dn1 = -q * a[i];
