@@ -9,8 +9,8 @@ namespace quiver {
 /// The number of threads the machine offers, at least 1.
 int hardwareThreads();
 
-/// How many of `threads` threads a loop of about so many nanoseconds is worth: each must have more to do than calling it
-/// in costs. At least 1.
+/// How many of `threads` threads a loop of about so many nanoseconds is worth: each must have more to do than calling
+/// it in costs. At least 1.
 int worthwhileThreads(int threads, double nanoseconds);
 
 /// Calls task(0) … task(count − 1), each exactly once, on at most `threads` threads, and returns when all are done.
