@@ -203,7 +203,8 @@ void Descent::end() {
     const double settled = totals_.cost;
     problem_.restoreBest();
     totals_ = problem_.evaluate(problem_.state());
-    if (summary_.status == Status::converged && settled > bestCost_ * (1.0 + 1e-9)) {
+    if (summary_.status == Status::converged && settled > bestCost_ * (1.0 + 1e-9) &&
+        relativeStep_ > options_.stepTolerance) {
       finish(Status::stalled, "full steps settle at a cost above the lowest met, which is kept; try --algorithm lm");
     }
   }

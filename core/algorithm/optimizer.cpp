@@ -149,6 +149,8 @@ void descend(Descent& descent, const NamedEntry<Algorithm>* asked, bool damped, 
 
 /// What one call leaves for the next.
 struct Optimizer::Compiled {
+  /// Keeps the code of the types loaded as long as what was compiled from them lives.
+  std::shared_ptr<const Registry> registry;
   StructureKey key;
   /// The graph's when the key was made.
   std::uint64_t revision = 0;
@@ -177,6 +179,8 @@ struct Optimizer::Compiled {
     problem.reset();
     gauge = {};
     settled = false;
+    key = {};  // should compiling fail, nothing is known
+    registry = graph.registry();
     announce(options, "compiling the problem");
     problem = std::make_unique<Problem>(graph, ProblemScope{options.level, options.free, threads});
     key = std::move(newKey);
@@ -186,13 +190,16 @@ struct Optimizer::Compiled {
   void settle(const Options& options, const NamedEntry<Algorithm>* algorithm) {
     reused = settled;
     if (settled) return;
-    settled = true;
-    if (problem->variables() == 0) return;
+    if (problem->variables() == 0) {
+      settled = true;
+      return;
+    }
     // Eliminating or robust kernels make the algorithm a damped one, which leaves the gauge free.
     asked = makeSystem(*problem->graph().registry(), options);
     const bool damped =
         algorithm ? algorithm->value.damped : hasRobustKernel(*problem) || asked->eliminates(*problem, options);
     settleGauge(*problem, options, damped, gauge);
+    settled = true;
   }
 };
 
@@ -250,8 +257,10 @@ Summary& Optimizer::run(Graph& graph, bool again) {
   } else {
     if (!compiled_->system) {
       announce(options_, "analysing the structure");
-      compiled_->system = compiled_->asked ? std::move(compiled_->asked) : makeSystem(*graph.registry(), options_);
-      compiled_->system->analyze(problem, options_, summary.threads);
+      std::unique_ptr<LinearSystem> system =
+          compiled_->asked ? std::move(compiled_->asked) : makeSystem(*graph.registry(), options_);
+      system->analyze(problem, options_, summary.threads);
+      compiled_->system = std::move(system);
       if (large) returnFreeMemory();
     }
     summary.plan = compiled_->system->plan();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <span>
 
 namespace quiver {
 namespace {
@@ -21,6 +22,16 @@ class Hash {
   std::uint64_t second_ = 2;
 };
 
+/// A bit for each diagonal entry of an upper triangle, row by row, that is zero.
+std::uint64_t weightless(std::span<const double> triangle, int rows) {
+  std::uint64_t bits = 0;
+  std::size_t at = 0;
+  for (int row = 0; row < rows && at < triangle.size(); at += static_cast<std::size_t>(rows - row), ++row) {
+    if (triangle[at] == 0.0) bits ^= std::uint64_t{1} << row % 64;
+  }
+  return bits;
+}
+
 }  // namespace
 
 StructureKey::StructureKey(const Graph& graph, const Options& options, int threads, const StructureKey* before)
@@ -36,7 +47,9 @@ StructureKey::StructureKey(const Graph& graph, const Options& options, int threa
       free_(options.free),
       elimination_(options.elimination),
       eliminatedTypes_(options.eliminatedTypes),
-      memoryLimit_(options.memoryLimit) {
+      memoryLimit_(options.memoryLimit),
+      linearTolerance_(options.linearTolerance),
+      maxLinearIterations_(options.maxLinearIterations) {
   if (before != nullptr) {
     std::copy_n(before->hash_, 2, hash_);
     return;
@@ -53,7 +66,9 @@ StructureKey::StructureKey(const Graph& graph, const Options& options, int threa
     robust = robust || edge.robustKernel();
     hash.add(static_cast<std::uint64_t>(edge.level()));
     const EdgeType& type = graph.typeOf(edge);
-    if (type.errorDimension() == Dynamic) hash.add(static_cast<std::uint64_t>(type.errorDimension(edge)));
+    const int rows = type.errorDimension(edge);
+    if (type.errorDimension() == Dynamic) hash.add(static_cast<std::uint64_t>(rows));
+    hash.add(weightless(type.information(edge), rows));
   });
   hash.add(static_cast<std::uint64_t>(robust));
   hash_[0] = hash.first();

@@ -13,7 +13,7 @@ namespace quiver {
 /// Everything that a compiled problem and its linear system depend on besides numbers: two equal keys mean that what
 /// was compiled for one serves the other. Which elements there are, the graph's stamp and their numbers tell; what can
 /// change of them, fixed directions, run-time dimensions, levels, whether there is an estimate and whether any robust
-/// kernel, enters by a 128-bit hash.
+/// kernel, which entries of a measurement have no weight (the gauge depends on that), enters by a 128-bit hash.
 class StructureKey {
  public:
   StructureKey() = default;
@@ -40,6 +40,8 @@ class StructureKey {
   EliminationPolicy elimination_ = EliminationPolicy::automatic;
   std::vector<std::string> eliminatedTypes_;
   std::int64_t memoryLimit_ = 0;
+  double linearTolerance_ = 0.0;
+  int maxLinearIterations_ = 0;
 };
 
 }  // namespace quiver

@@ -87,6 +87,7 @@ class ContentOrder {
     const RobustKernel &first = a.edge->robustKernel(), &second = b.edge->robustKernel();
     if (first.name() != second.name()) return first.name() < second.name();
     if (first.width() != second.width()) return first.width() < second.width();
+    if (first.shape() != second.shape()) return first.shape() < second.shape();
     // A type may keep more than these numbers: its line tells.
     return compareNumbers(lineOf(*a.edge), lineOf(*b.edge)) < 0;
   }

@@ -6,6 +6,7 @@
 #include <quiver/core/algorithm/optimizer.h>
 #include <quiver/core/graph/robust_kernels.h>
 #include <quiver/core/problem/problem.h>
+#include <quiver/core/util/error.h>
 
 #include "ring_graph.h"
 
@@ -93,6 +94,43 @@ TEST(Reuse, SeesRunTimeDimensions) {
   firstEdge<EdgeSquares>(graph).setInformation(Matrix<double, Dynamic, Dynamic>::Identity(9, 9));
   EXPECT_EQ(optimizer.optimize(graph).plan.scalars, 12);
   EXPECT_NEAR(graph.vertex<VertexNumbers>(0).estimate()[8], std::sqrt(3.0), 1e-9);
+}
+
+TEST(Reuse, SeesWeightsThatMakeTheGauge) {
+  Graph graph = ringGraph<Range>(20, 4);
+  firstEdge<EdgeSE2>(graph).setInformation(weight3(0.0));
+  Optimizer optimizer;
+  (void)optimizer.optimize(graph);
+  firstEdge<EdgeSE2>(graph).setInformation(weight3(7.0));
+  (void)optimizer.optimize(graph);
+  EXPECT_FALSE(optimizer.reused());
+}
+
+TEST(Reuse, ForgetsWhatCouldNotBeCompiled) {
+  Graph graph = ringGraph<Range>(20, 4);
+  Optimizer optimizer;
+  (void)optimizer.optimize(graph);
+  graph.vertex<VertexSE2>(3).setEstimate(SE2<double>(1.0, 1.0, 1.0));
+  graph.vertex<VertexSE2>(3).setFixed(true);
+  optimizer.options().free = {99999};
+  EXPECT_THROW((void)optimizer.optimize(graph), GraphError);
+  optimizer.options().free = {};
+  (void)optimizer.optimize(graph);
+  graph.vertex<VertexSE2>(3).setFixed(false);
+  Graph twin(graph);
+  EXPECT_EQ(optimizer.optimize(graph).finalCost, optimize(twin).finalCost);
+  // An analysis that throws leaves nothing half made.
+  Optimizer strict({.algorithm = "lm", .elimination = EliminationPolicy::types, .eliminatedTypes = {"VERTEX_X"}});
+  for (int call = 0; call < 3; ++call) EXPECT_THROW((void)strict.optimize(graph), GraphError);
+}
+
+TEST(Reuse, SeesOptionsOfLinearSolvers) {
+  Graph graph = ringGraph<Range>(20, 4);
+  Optimizer optimizer({.linearSolver = "pcg"});
+  (void)optimizer.optimize(graph);
+  optimizer.options().linearTolerance = 1e-2;
+  (void)optimizer.optimize(graph);
+  EXPECT_FALSE(optimizer.reused());
 }
 
 TEST(Reuse, SeesWhatChangesInACopy) {
