@@ -22,9 +22,10 @@ class Problem;
 /// `optimize` that keeps what depends on structure alone: the compiled problem, the gauge, the elimination order, all
 /// memory.
 ///
-/// A call whose graph has the structure of the last one (the same elements, levels and fixed directions; estimates,
-/// measurements, information, kernels and parameter values may differ) starts iterating at once and allocates nothing,
-/// once a call has met what it needs. Otherwise it compiles anew. The graph must outlive the optimizer's next call. Not
+/// A call whose graph has the structure of the last one (the same elements, levels, fixed directions and run-time
+/// dimensions; robust kernels or none; zeros at the same places of the information's diagonals; estimates, measurements,
+/// other information, kernels and parameter values may differ) starts iterating at once and allocates nothing, once a
+/// call has met what it needs. Otherwise it compiles anew. The graph must outlive the optimizer's next call. Not
 /// thread safe.
 class Optimizer {
  public:
@@ -41,7 +42,7 @@ class Optimizer {
   Problem& compile(Graph& graph);
   /// Whether the last `optimize` reused the structure of the one before.
   bool reused() const;
-  /// Applies to the next call; a change of solver, level, subset, gauge or threads compiles anew.
+  /// Applies to the next call; a change of solver or its tolerances, level, subset, gauge or threads compiles anew.
   Options& options();
 
  private:
