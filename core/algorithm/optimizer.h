@@ -23,10 +23,10 @@ class Problem;
 /// memory.
 ///
 /// A call whose graph has the structure of the last one (the same elements, levels, fixed directions and run-time
-/// dimensions; robust kernels or none; zeros at the same places of the information's diagonals; estimates, measurements,
-/// other information, kernels and parameter values may differ) starts iterating at once and allocates nothing, once a
-/// call has met what it needs. Otherwise it compiles anew. The graph must outlive the optimizer's next call. Not
-/// thread safe.
+/// dimensions; robust kernels or none; zeros at the same places of the information's diagonals; estimates,
+/// measurements, other information, kernels and parameter values may differ) starts iterating at once and allocates
+/// nothing, once a call has met what it needs. Otherwise it compiles anew. The graph must outlive the optimizer's next
+/// call. Not thread safe.
 class Optimizer {
  public:
   explicit Optimizer(Options options = {});
