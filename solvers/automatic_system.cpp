@@ -9,16 +9,18 @@ namespace quiver {
 AutomaticSystem::AutomaticSystem(std::function<std::unique_ptr<LinearSolver>()> make) : make_(std::move(make)) {}
 
 bool AutomaticSystem::eliminates(const Problem& problem, const Options& options) const {
-  if (single(problem)) return false;
+  if (single(problem, options)) return false;
   choice_ = chooseElimination(problem, options);
   choiceVariables_ = problem.variables();
   return choice_->count > 0;
 }
 
-bool AutomaticSystem::single(const Problem& problem) const { return !make_ && SingleVariable::serves(problem); }
+bool AutomaticSystem::single(const Problem& problem, const Options& options) const {
+  return !make_ && options.elimination != EliminationPolicy::types && SingleVariable::serves(problem);
+}
 
 void AutomaticSystem::analyze(const Problem& problem, const Options& options, int threads) {
-  if (single(problem)) {
+  if (single(problem, options)) {
     system_ = std::make_unique<SingleVariable>();
     system_->analyze(problem, options, threads);
     plan_ = system_->plan();

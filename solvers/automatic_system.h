@@ -20,6 +20,7 @@ class AutomaticSystem final : public LinearSystem {
 
   bool eliminates(const Problem& problem, const Options& options) const override;
   void analyze(const Problem& problem, const Options& options, int threads) override;
+  void restart() override { system_->restart(); }
   CostTotals linearize(const State& state) override { return system_->linearize(state); }
   std::optional<CostTotals> tryState(const State& trial) override { return system_->tryState(trial); }
   void dropTrial() override { system_->dropTrial(); }
@@ -37,7 +38,7 @@ class AutomaticSystem final : public LinearSystem {
   void addSeconds(PhaseSeconds& seconds) override { system_->addSeconds(seconds); }
 
  private:
-  bool single(const Problem& problem) const;
+  bool single(const Problem& problem, const Options& options) const;
 
   std::function<std::unique_ptr<LinearSolver>()> make_;
   std::unique_ptr<LinearSystem> system_;

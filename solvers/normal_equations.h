@@ -18,6 +18,7 @@ class NormalEquations final : public LinearSystem {
   NormalEquations();
 
   void analyze(const Problem& problem, const Options& options, int threads) override;
+  void restart() override { solver_->restart(); }
   CostTotals linearize(const State& state) override;
   std::optional<CostTotals> tryState(const State& trial) override;
   void dropTrial() override;

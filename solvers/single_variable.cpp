@@ -39,7 +39,8 @@ void SingleVariable::analyze(const Problem& problem, const Options&, int threads
   for (int b = 0; b < problem.batches(); ++b) {
     const EdgeBatch& batch = problem.batch(b);
     const EdgeShape& shape = shapes_.emplace_back(batch.largestShape());
-    nanoseconds += linearizationPerRow * batch.size() * shape.rows;
+    const bool lanewise = batch.rowBytes() > 0;
+    nanoseconds += (lanewise ? linearizationPerRow : batch.rowCost().linearize) * batch.size() * shape.rows;
     Role role;
     if (batch.uniform()) {
       role.common = roleOf(b, 0);
@@ -49,8 +50,9 @@ void SingleVariable::analyze(const Problem& problem, const Options&, int threads
       role.sum = LaneProducts::sum(set_, shape.rows, dimension_);
     }
     roles_.push_back(role);
-    for (int begin = 0; begin < batch.size(); begin += pieceEdges)
-      pieces_.push_back({b, begin, std::min(batch.size(), begin + pieceEdges), {}});
+    const int piece = lanewise ? pieceEdges : Panel::capacity;
+    for (int begin = 0; begin < batch.size(); begin += piece)
+      pieces_.push_back({b, begin, std::min(batch.size(), begin + piece), {}});
   }
   threads_ = worthwhileThreads(threads, nanoseconds);
   workspaces_.resize(static_cast<std::size_t>(threads_));

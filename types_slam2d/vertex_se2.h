@@ -24,7 +24,7 @@ class VertexSE2 : public BaseVertex<VertexSE2, 3, SE2<double>> {
   static Matrix<double, 3, gaugeDirections> gaugeGenerators(const SE2<double>& x) {
     Matrix<double, 3, gaugeDirections> G = Matrix<double, 3, gaugeDirections>::Zero();
     const Vector<double, 2> t = x.translation();
-    const auto inBody = [&](double a, double b) { return x.inverse() * (Vector<double, 2>(a, b) + t); };
+    const auto inBody = [&](double a, double b) { return x.rotation().actInverse(Vector<double, 2>(a, b)); };
     G.col(gaugeX).head<2>() = inBody(1.0, 0.0);
     G.col(gaugeY).head<2>() = inBody(0.0, 1.0);
     G.col(gaugeYaw) << inBody(-t[1], t[0]), 1.0;

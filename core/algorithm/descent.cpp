@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,8 @@
 
 namespace quiver {
 namespace {
+
+constexpr std::string_view interruptedReason = "interrupted; the best estimate so far is kept";
 
 /// A formatted sentence that needs no heap unless it is long.
 class ShortText {
@@ -47,9 +50,11 @@ std::string Descent::describeBadEdge(const CostTotals& totals) const {
 
 bool Descent::begin() {
   watch_ = Stopwatch();
+  totals_.chi2 = totals_.cost = std::numeric_limits<double>::quiet_NaN();  // should linearising be stopped
   totals_ = system_.linearize(problem_.state());
   summary_.initialChi2 = summary_.finalChi2 = totals_.chi2;
-  summary_.initialCost = summary_.finalCost = bestCost_ = totals_.cost;
+  summary_.initialCost = summary_.finalCost = totals_.cost;
+  bestTotals_ = totals_;
   if (!totals_.finite()) {
     finish(Status::numericalFailure,
            describeBadEdge(totals_) + " at the start; check its measurement and the estimates of its vertices");
@@ -72,7 +77,7 @@ bool Descent::exhausted() {
   if (ended_) return true;
   switch (stop_.reason()) {
     case StopCondition::Reason::interrupted:
-      finish(Status::interrupted, "interrupted; the best estimate so far is kept");
+      finish(Status::interrupted, interruptedReason);
       return true;
     case StopCondition::Reason::timeLimit:
       finish(Status::timeLimit,
@@ -105,7 +110,7 @@ CostTotals Descent::tryStep() {
 }
 
 bool Descent::accept(const CostTotals& trial) {
-  if (trial.cost > totals_.cost && totals_.cost <= bestCost_) {
+  if (trial.cost > totals_.cost && totals_.cost <= bestTotals_.cost) {
     problem_.saveBest();
     bestSaved_ = true;
   }
@@ -113,12 +118,12 @@ bool Descent::accept(const CostTotals& trial) {
   rejected_ = false;
   report_.gradient = gradient_;
   problem_.acceptTrial();
-  totals_ = system_.linearize(problem_.state());
+  totals_ = trial;
+  unreported_ = true;
+  system_.linearize(problem_.state());
   gradient_ = gradientNorm();
-  totals_.chi2 = trial.chi2;
-  totals_.cost = trial.cost;
-  if (totals_.cost <= bestCost_) {
-    bestCost_ = totals_.cost;
+  if (totals_.cost <= bestTotals_.cost) {
+    bestTotals_ = totals_;
     bestSaved_ = false;
   }
   emitReport(true);
@@ -135,6 +140,7 @@ void Descent::reject() {
 void Descent::emitReport(bool accepted) {
   report_.iteration = static_cast<int>(summary_.iterations.size());
   report_.accepted = accepted;
+  unreported_ = false;
   report_.chi2 = totals_.chi2;
   report_.cost = totals_.cost;
   report_.relativeStep = relativeStep_;
@@ -183,27 +189,33 @@ void Descent::finishWithoutProspect(double predicted) {
 
 void Descent::fail(const LinearOutcome& outcome) {
   if (outcome.kind == LinearOutcome::Kind::interrupted) {
-    if (!exhausted()) finish(Status::interrupted, "interrupted; the best estimate so far is kept");
+    stopMidway();
     return;
   }
   finish(Status::numericalFailure, diagnoseFailure(problem_, system_, outcome));
 }
 
+void Descent::stopMidway() {
+  if (unreported_) emitReport(true);
+  if (!exhausted()) finish(Status::interrupted, interruptedReason);
+}
+
 void Descent::returnToBest() {
-  if (!bestSaved_ || totals_.cost <= bestCost_) return;
+  if (!bestSaved_ || totals_.cost <= bestTotals_.cost) return;
   problem_.restoreBest();
-  totals_ = system_.linearize(problem_.state());
+  totals_ = bestTotals_;
+  system_.linearize(problem_.state());
   gradient_ = gradientNorm();
   bestSaved_ = false;
 }
 
 void Descent::end() {
   system_.addSeconds(report_.seconds);
-  if (bestSaved_ && totals_.cost > bestCost_) {
+  if (bestSaved_ && totals_.cost > bestTotals_.cost) {
     const double settled = totals_.cost;
     problem_.restoreBest();
-    totals_ = problem_.evaluate(problem_.state());
-    if (summary_.status == Status::converged && settled > bestCost_ * (1.0 + 1e-9) &&
+    totals_ = bestTotals_;
+    if (summary_.status == Status::converged && settled > bestTotals_.cost * (1.0 + 1e-9) &&
         relativeStep_ > options_.stepTolerance) {
       finish(Status::stalled, "full steps settle at a cost above the lowest met, which is kept; try --algorithm lm");
     }

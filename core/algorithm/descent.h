@@ -44,6 +44,8 @@ class Descent {
   void finishWithoutProspect(double predicted);
   /// Ends because a linear system could not be solved, in words that name the vertex.
   void fail(const LinearOutcome& outcome);
+  /// Ends because the stop condition was met within a linearisation or evaluation.
+  void stopMidway();
   /// Goes on from the best estimate met, linearised again, if the present one is worse.
   void returnToBest();
   /// Restores the best estimate.
@@ -52,7 +54,7 @@ class Descent {
   Problem& problem() { return problem_; }
   LinearSystem& system() { return system_; }
   const CostTotals& totals() const { return totals_; }
-  double bestCost() const { return bestCost_; }
+  double bestCost() const { return bestTotals_.cost; }
   std::vector<double>& delta() { return memory_.delta; }
   /// Vector 0 … 4 of an algorithm's own, zeros, as long as delta.
   std::vector<double>& scratch(int number);
@@ -75,9 +77,11 @@ class Descent {
   DescentMemory& memory_;
   Summary& summary_;
   CostTotals totals_;
-  double bestCost_ = 0.0;
+  CostTotals bestTotals_;
   bool bestSaved_ = false;
   bool rejected_ = false;
+  /// A step was accepted and has no report yet.
+  bool unreported_ = false;
   double firstGradient_ = 0.0;
   /// ‖g‖∞ at the estimate kept.
   double gradient_ = 0.0;

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <numeric>
 #include <span>
+#include <type_traits>
 
 #include <quiver/core/algorithm/gauge_holds.h>
-#include <quiver/core/problem/lane_records.h>
-#include <quiver/core/util/parallel.h>
-#include <quiver/geometry/scalar/isa.h>
+#include <quiver/core/algorithm/gauge_products.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 
 namespace quiver {
 namespace {
@@ -41,28 +41,13 @@ class DisjointSets {
 
 using Generators = detail::GaugeProducts;
 using Combinations = detail::GaugeCombinations;
+using Products = detail::ComponentProducts;
 
 constexpr int padded = detail::gaugeRow;
-/// Edges a piece, at least; pieces at most.
-constexpr std::int64_t pieceEdges = 4096;
-constexpr std::int64_t mostPieces = 16;
 /// (J G)ᵀ(J G) cancels to ε²; genuine priors of weight 1e-14 of the sum are priors no more.
 constexpr double unnoticed = 1e-14;
 /// What some edges notice so clearly the others cannot hide.
 constexpr double clearlyNoticed = 1e-4;
-
-/// Σ (J G)ᵀ(J G) over the edges of a component, and Σ over edges and roles of ‖J_role G‖² per generator, the scale of
-/// the sum; and GᵀG.
-struct Products {
-  std::array<double, gaugeDirections * padded> square{};
-  std::array<double, padded> scale{};
-  Generators gram = Generators::Zero();
-
-  void add(const Products& other) {
-    for (std::size_t i = 0; i < square.size(); ++i) square[i] += other.square[i];
-    for (std::size_t i = 0; i < scale.size(); ++i) scale[i] += other.scale[i];
-  }
-};
 
 std::vector<ComponentGauge> components(const Problem& problem, std::vector<int>& componentOf) {
   DisjointSets sets(problem.variables());
@@ -140,15 +125,14 @@ std::vector<double> slotGenerators(const Problem& problem, std::vector<std::int6
 /// of a matrix that is scaled by the roots of `scale`.
 Combinations nullSpace(const Generators& matrix, std::span<const double> scale, const std::vector<int>& live,
                        double zero) {
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, gaugeDirections, gaugeDirections> scaled(live.size(),
-                                                                                                    live.size());
+  Eigen::MatrixXd scaled(live.size(), live.size());
   for (std::size_t a = 0; a < live.size(); ++a) {
     for (std::size_t b = 0; b < live.size(); ++b) {
       const double product = scale[static_cast<std::size_t>(live[a])] * scale[static_cast<std::size_t>(live[b])];
       scaled(static_cast<int>(a), static_cast<int>(b)) = matrix(live[a], live[b]) / std::sqrt(product);
     }
   }
-  const Eigen::SelfAdjointEigenSolver<decltype(scaled)> eigen(scaled);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   const auto count = (eigen.eigenvalues().array() < zero).count();
   Combinations result = Combinations::Zero(gaugeDirections, count);
   for (std::size_t a = 0; a < live.size(); ++a) {
@@ -163,128 +147,22 @@ Combinations nullSpace(const Generators& matrix, std::span<const double> scale, 
 int freeDirections(const Products& products, double noticed, Combinations& unseen) {
   // Generators that move nothing (a roll in the plane) are left out; the others are scaled to compare with each other.
   std::vector<int> live;
+  std::array<double, padded> scale = products.scale;
+  // Of what no edge has any weight in, nothing can be compared; and where that is so of all, it is no gauge: the
+  // diagnosis names the vertices.
+  if (std::all_of(scale.begin(), scale.end(), [](double own) { return own == 0.0; })) return 0;
   for (int k = 0; k < gaugeDirections; ++k) {
-    if (products.scale[static_cast<std::size_t>(k)] > 0.0) live.push_back(k);
+    if (!(products.gram(k, k) > 0.0)) continue;
+    live.push_back(k);
+    double& own = scale[static_cast<std::size_t>(k)];
+    if (own == 0.0) own = 1.0;
   }
   if (live.empty()) return 0;
   const Eigen::Map<const Generators, 0, Eigen::OuterStride<padded>> square(products.square.data());
   const Eigen::Matrix<double, gaugeDirections, 1> lengths = products.gram.diagonal();
-  unseen = nullSpace(square, products.scale, live, noticed);
+  unseen = nullSpace(square, scale, live, noticed);
   const auto motionless = nullSpace(products.gram, {lengths.data(), gaugeDirections}, live, 1e-13).cols();
   return std::max(0, static_cast<int>(unseen.cols() - motionless));
-}
-
-/// What adding edges reads.
-struct EdgeSource {
-  const Problem& problem;
-  const std::vector<std::int64_t>& begin;
-  const std::vector<double>& generators;
-  const std::vector<int>& componentOf;
-};
-
-/// part ← J G, rows × 8.
-template <typename L>
-inline void multiplyBlock(const double* J, const double* generators, int rows, int columns, double* part) {
-  for (int r = 0; r < rows; ++r) {
-    L sum(0.0);
-    for (int c = 0; c < columns; ++c) {
-      L generator;
-      detail::loadLanes(generators + c * padded, generator);
-      sum += L(J[(c * rows + r) * Panel::lanes]) * generator;
-    }
-    detail::storeLanes(sum, part + r * padded);
-  }
-}
-
-/// scale += the squares of each generator's column of part, rows × 8.
-template <typename L>
-inline void addSquares(const double* part, int rows, double* scale) {
-  L sum;
-  detail::loadLanes(scale, sum);
-  for (int r = 0; r < rows; ++r) {
-    L row;
-    detail::loadLanes(part + r * padded, row);
-    sum += row * row;
-  }
-  detail::storeLanes(sum, scale);
-}
-
-/// square += movedᵀ moved, moved rows × 8.
-template <typename L>
-inline void addSquare(const double* moved, int rows, double* square) {
-  for (int a = 0; a < gaugeDirections; ++a) {
-    L sum;
-    detail::loadLanes(square + a * padded, sum);
-    for (int r = 0; r < rows; ++r) {
-      L row;
-      detail::loadLanes(moved + r * padded, row);
-      sum += L(moved[r * padded + a]) * row;
-    }
-    detail::storeLanes(sum, square + a * padded);
-  }
-}
-
-/// Adds the J G of edges first … first + count − 1, which lie in the panel, to their components. `scratch` is memory
-/// for twice rows × 8 numbers.
-template <typename L>
-inline void addPanel(const EdgeSource& source, const EdgeBatch& batch, int first, int count, const EdgeShape& shape,
-                     const Panel& panel, double* scratch, Products* products) {
-  const int rows = shape.rows;
-  double* const moved = scratch;
-  double* const part = scratch + rows * padded;
-  for (int i = 0; i < count; ++i) {
-    const auto slots = batch.slots(first + i);
-    Products* target = nullptr;
-    for (std::size_t role = 0; role < slots.size(); ++role) {
-      const std::int64_t at = source.begin[static_cast<std::size_t>(slots[role])];
-      if (at < 0) continue;
-      const int columns = shape.columns[role];
-      double* const own = target == nullptr ? moved : part;
-      multiplyBlock<L>(
-          panel.jacobian[role] + std::int64_t{i / Panel::lanes} * columns * rows * Panel::lanes + i % Panel::lanes,
-          source.generators.data() + at, rows, columns, own);
-      target = products + source.componentOf[static_cast<std::size_t>(source.problem.variableOfSlot(slots[role]))];
-      addSquares<L>(own, rows, target->scale.data());
-      for (int k = 0; own != moved && k < rows * padded; ++k) moved[k] += part[k];
-    }
-    if (target != nullptr) addSquare<L>(moved, rows, target->square.data());
-  }
-}
-
-QUIVER_BATCH_LOOP_AVX2 void addPanelAvx2(const EdgeSource& source, const EdgeBatch& batch, int first, int count,
-                                         const EdgeShape& shape, const Panel& panel, double* scratch,
-                                         Products* products) {
-  addPanel<Lanes<isa::Avx2>>(source, batch, first, count, shape, panel, scratch, products);
-}
-QUIVER_BATCH_LOOP_GENERIC void addPanelGeneric(const EdgeSource& source, const EdgeBatch& batch, int first, int count,
-                                               const EdgeShape& shape, const Panel& panel, double* scratch,
-                                               Products* products) {
-  addPanel<Lanes<isa::Generic>>(source, batch, first, count, shape, panel, scratch, products);
-}
-
-/// Adds a part of the edges, one of `pieces`, to products of its own.
-void addPiece(const EdgeSource& source, std::int64_t piece, std::int64_t pieces, std::vector<Products>& products) {
-  const bool wide = detectInstructionSet() != InstructionSet::generic;
-  std::vector<std::int32_t> ids(Panel::capacity);
-  std::vector<double> scratch;
-  for (int b = 0; b < source.problem.batches(); ++b) {
-    const EdgeBatch& batch = source.problem.batch(b);
-    const int step = batch.uniform() ? Panel::capacity : 1;
-    const std::int64_t chunks = (batch.size() + step - 1) / step;
-    const auto begin = static_cast<int>(piece * chunks / pieces) * step;
-    const int end = std::min(batch.size(), static_cast<int>((piece + 1) * chunks / pieces) * step);
-    if (begin >= end) continue;
-    PanelBuffer buffer(batch.largestShape());
-    for (int first = begin; first < end; first += step) {
-      const int count = std::min(step, end - first);
-      std::iota(ids.begin(), ids.end(), first);
-      batch.linearize(source.problem.state(), {ids.data(), static_cast<std::size_t>(count)}, buffer.panel());
-      const EdgeShape shape = batch.shape(first);
-      scratch.resize(2 * static_cast<std::size_t>(shape.rows * padded));
-      (wide ? addPanelAvx2 : addPanelGeneric)(source, batch, first, count, shape, buffer.panel(), scratch.data(),
-                                              products.data());
-    }
-  }
 }
 
 /// Whether the first edges of a problem of one variable hold all its directions beyond doubt, as a few pixels of known
@@ -320,11 +198,57 @@ bool clearlyHeld(const Problem& problem) {
   return factor.info() == Eigen::Success && factor.matrixLLT().diagonal().minCoeff() > std::sqrt(clearlyNoticed);
 }
 
-/// Adds one vertex's GᵀG to its component.
-void addVertex(const double* generators, int dimension, Products& products) {
+/// The generators of a variable, a row for each direction.
+template <typename Numbers>
+auto rowsOf(const Problem& problem, int variable, const std::vector<std::int64_t>& begin, Numbers& generators) {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, gaugeDirections, Eigen::RowMajor>;
-  const Eigen::Map<const Rows, 0, Eigen::OuterStride<padded>> G(generators, dimension, gaugeDirections);
-  products.gram += G.transpose() * G;
+  using Matrix = std::conditional_t<std::is_const_v<Numbers>, const Rows, Rows>;
+  const std::int64_t at = begin[static_cast<std::size_t>(problem.slotOfVariable(variable))];
+  return Eigen::Map<Matrix, 0, Eigen::OuterStride<padded>>(generators.data() + std::max<std::int64_t>(at, 0),
+                                                           at < 0 ? 0 : problem.dimension(variable), gaugeDirections);
+}
+
+/// gram = GᵀG over the vertices of a component.
+void addVertices(const Problem& problem, const ComponentGauge& gauge, const std::vector<std::int64_t>& begin,
+                 const std::vector<double>& generators, Generators& gram) {
+  gram.setZero();
+  for (const int variable : gauge.variables) {
+    const auto G = rowsOf(problem, variable, begin, generators);
+    gram += G.transpose() * G;
+  }
+}
+
+/// Turns and growth about the middle of a component instead of the origin, if that is far away (as with UTM
+/// coordinates): else J G is a small difference of large numbers, and what notices a turn a little is overlooked. About
+/// the middle they are orthogonal to the shifts in GᵀG.
+void centre(const Problem& problem, const ComponentGauge& gauge, const std::vector<std::int64_t>& begin,
+            std::vector<double>& generators, Generators& gram) {
+  constexpr int shifts = gaugeRoll, others = gaugeDirections - shifts;
+  constexpr double farAway = 1e4;
+  Eigen::Matrix<double, shifts, others> toShifts =
+      gram.topLeftCorner<shifts, shifts>().completeOrthogonalDecomposition().solve(
+          gram.topRightCorner<shifts, others>());
+  const Eigen::Matrix<double, others, 1> before = gram.diagonal().tail<others>();
+  const Eigen::Matrix<double, others, 1> removed =
+      (gram.topRightCorner<shifts, others>().cwiseProduct(toShifts)).colwise().sum().transpose();
+  const auto far = (before.array() > farAway * (before - removed).array().abs()).eval();
+  if (!far.any()) return;
+  for (int k = 0; k < others; ++k) {
+    if (!far[k]) toShifts.col(k).setZero();
+  }
+  for (const int variable : gauge.variables) {
+    auto G = rowsOf(problem, variable, begin, generators);
+    G.rightCols<others>() -= G.leftCols<shifts>() * toShifts;
+  }
+  addVertices(problem, gauge, begin, generators, gram);
+  // What is left of a turn that was but a shift, as of a single point, is rounding.
+  constexpr double rounding = 1e-24;
+  for (int k = shifts; k < gaugeDirections; ++k) {
+    if (!far[k - shifts] || gram(k, k) > rounding * before[k - shifts]) continue;
+    for (const int variable : gauge.variables) rowsOf(problem, variable, begin, generators).col(k).setZero();
+    gram.row(k).setZero();
+    gram.col(k).setZero();
+  }
 }
 
 }  // namespace
@@ -339,25 +263,13 @@ std::vector<ComponentGauge> findGauges(const Problem& problem) {
   std::vector<int> componentOf;
   std::vector<ComponentGauge> gauges = components(problem, componentOf);
   std::vector<std::int64_t> begin;
-  const std::vector<double> generators = slotGenerators(problem, begin, componentOf, gauges);
+  std::vector<double> generators = slotGenerators(problem, begin, componentOf, gauges);
   std::vector<Products> products(gauges.size());
-  for (int variable = 0; variable < problem.variables(); ++variable) {
-    const std::int64_t at = begin[static_cast<std::size_t>(problem.slotOfVariable(variable))];
-    if (at < 0) continue;
-    addVertex(generators.data() + at, problem.dimension(variable),
-              products[static_cast<std::size_t>(componentOf[static_cast<std::size_t>(variable)])]);
+  for (std::size_t i = 0; i < gauges.size(); ++i) {
+    addVertices(problem, gauges[i], begin, generators, products[i].gram);
+    centre(problem, gauges[i], begin, generators, products[i].gram);
   }
-  const EdgeSource source{problem, begin, generators, componentOf};
-  // Pieces each have products of all components.
-  const std::int64_t pieces =
-      gauges.size() > 16 ? 1 : std::clamp<std::int64_t>(problem.edges() / pieceEdges, 1, mostPieces);
-  std::vector<std::vector<Products>> parts(static_cast<std::size_t>(pieces - 1), std::vector<Products>(gauges.size()));
-  parallelFor(pieces, problem.threads(), [&](std::int64_t piece) {
-    addPiece(source, piece, pieces, piece == 0 ? products : parts[static_cast<std::size_t>(piece - 1)]);
-  });
-  for (const std::vector<Products>& part : parts) {
-    for (std::size_t i = 0; i < gauges.size(); ++i) products[i].add(part[i]);
-  }
+  detail::addEdges({problem, begin, generators, componentOf}, products);
   for (std::size_t i = 0; i < gauges.size(); ++i) {
     gauges[i].anchor = findAnchor(problem, gauges[i].variables);
     Combinations unseen(gaugeDirections, 0);

@@ -59,6 +59,9 @@ class LinearSystem {
   /// Decides ordering, elimination and layout for a problem; `problem` must outlive the system's use. Fills the plan.
   virtual void analyze(const Problem& problem, const Options& options, int threads) = 0;
 
+  /// Another descent begins with the same structure: what depends on earlier gradients is forgotten.
+  virtual void restart() {}
+
   /// Computes H and g at a state, and the totals there.
   virtual CostTotals linearize(const State& state) = 0;
 

@@ -90,14 +90,39 @@ void announce(const Options& options, std::string_view phase) {
   if (options.phase) options.phase(phase);
 }
 
-/// Ends before the first linearisation.
-void reportUnmoved(Problem& problem, Status status, std::string_view reason, Summary& summary) {
-  const CostTotals totals = problem.evaluate(problem.state());
+/// Ends before the first linearisation. The cost is not a number if it is not to be had before the stop.
+void reportUnmoved(Problem* problem, Status status, std::string_view reason, Summary& summary) {
+  CostTotals totals;
+  totals.chi2 = totals.cost = std::numeric_limits<double>::quiet_NaN();
+  try {
+    if (problem != nullptr) totals = problem->evaluate(problem->state());
+  } catch (const WorkStopped&) {
+  }
   summary.initialChi2 = summary.finalChi2 = totals.chi2;
   summary.initialCost = summary.finalCost = totals.cost;
   summary.status = status;
   summary.reason = reason;
 }
+
+void reportStopped(Problem& problem, const StopCondition& stop, Summary& summary) {
+  if (stop.reason() == StopCondition::Reason::timeLimit) {
+    reportUnmoved(&problem, Status::timeLimit, "the time limit is reached before the first step", summary);
+  } else {
+    reportUnmoved(&problem, Status::interrupted, "interrupted before the first step", summary);
+  }
+}
+
+/// Lets costly edges of a problem look at a stop condition as long as it lives.
+class StopGuard {
+ public:
+  StopGuard(Problem& problem, const StopCondition& stop) : problem_(problem) { problem.setStop(&stop); }
+  StopGuard(const StopGuard&) = delete;
+  StopGuard& operator=(const StopGuard&) = delete;
+  ~StopGuard() { problem_.setStop(nullptr); }
+
+ private:
+  Problem& problem_;
+};
 
 std::string describeExcess(std::int64_t bytes, const Options& options) {
   return fmt::format("the solve would take at least {} bytes beside the graph, {} are allowed", bytes,
@@ -129,7 +154,7 @@ bool chooseAlgorithm(const NamedEntry<Algorithm>* asked, bool robust, const Gaug
   return damped;
 }
 
-void descend(Descent& descent, const NamedEntry<Algorithm>* asked, bool damped, SolvePlan& plan) {
+void descend(Descent& descent, const NamedEntry<Algorithm>* asked, bool damped, SolvePlan& plan) try {
   if (descent.begin()) {
     if (asked) {
       asked->value.run(descent);
@@ -142,6 +167,9 @@ void descend(Descent& descent, const NamedEntry<Algorithm>* asked, bool damped, 
     }
     if (!descent.ended()) descent.finish(Status::stalled, "the algorithm returned without saying why");
   }
+  descent.end();
+} catch (const WorkStopped&) {
+  descent.stopMidway();
   descent.end();
 }
 
@@ -186,20 +214,31 @@ struct Optimizer::Compiled {
     key = std::move(newKey);
   }
 
-  /// The gauge of a problem just compiled.
-  void settle(const Options& options, const NamedEntry<Algorithm>* algorithm) {
+  /// The gauge of a problem just compiled; false if that was stopped.
+  bool settle(const Options& options, const NamedEntry<Algorithm>* algorithm) {
     reused = settled;
-    if (settled) return;
-    if (problem->variables() == 0) {
-      settled = true;
-      return;
-    }
+    if (settled || problem->variables() == 0) return settled = true;
     // Eliminating or robust kernels make the algorithm a damped one, which leaves the gauge free.
     asked = makeSystem(*problem->graph().registry(), options);
     const bool damped =
         algorithm ? algorithm->value.damped : hasRobustKernel(*problem) || asked->eliminates(*problem, options);
-    settleGauge(*problem, options, damped, gauge);
-    settled = true;
+    try {
+      settleGauge(*problem, options, damped, gauge);
+      settled = true;
+    } catch (const WorkStopped&) {
+      gauge = {};
+    }
+    return settled;
+  }
+
+  /// The linear system of a problem whose gauge is settled, ready for numbers.
+  void analyze(const Options& options, int threads) {
+    if (system) return system->restart();
+    announce(options, "analysing the structure");
+    std::unique_ptr<LinearSystem> made = asked ? std::move(asked) : makeSystem(*problem->graph().registry(), options);
+    made->analyze(*problem, options, threads);
+    system = std::move(made);
+    if (problem->edges() > largeProblem) returnFreeMemory();
   }
 };
 
@@ -227,17 +266,14 @@ Summary& Optimizer::run(Graph& graph, bool again) {
   summary.threads = threadsOf(options_);
   if (const std::int64_t bytes = options_.memoryLimit > 0 ? estimateCompilation(graph, options_) : 0;
       bytes > options_.memoryLimit) {
-    summary.status = Status::memoryLimit;
-    summary.reason = describeExcess(bytes, options_);
-    summary.initialChi2 = summary.finalChi2 = std::numeric_limits<double>::quiet_NaN();
-    summary.initialCost = summary.finalCost = std::numeric_limits<double>::quiet_NaN();
+    reportUnmoved(nullptr, Status::memoryLimit, describeExcess(bytes, options_), summary);
     return summary;
   }
   compiled_->compile(graph, options_, again);
-  compiled_->settle(options_, algorithm);
   Problem& problem = *compiled_->problem;
-  const bool large = problem.edges() > largeProblem;
-  if (large && !compiled_->reused) returnFreeMemory();
+  const StopGuard guard(problem, stop);
+  const bool settled = compiled_->settle(options_, algorithm);
+  if (problem.edges() > largeProblem && !compiled_->reused) returnFreeMemory();
   summary.gauge = compiled_->gauge;
   summary.edges = problem.edges();
   summary.isolated.assign(problem.isolated().begin(), problem.isolated().end());
@@ -247,37 +283,27 @@ Summary& Optimizer::run(Graph& graph, bool again) {
   chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
   summary.seconds.compile = watch.lap();
   if (problem.variables() == 0) {
-    reportUnmoved(problem, Status::nothingToOptimise,
+    reportUnmoved(&problem, Status::nothingToOptimise,
                   problem.edges() == 0 ? "no edge takes part" : "every vertex that an edge touches is fixed", summary);
-  } else if (stop.reached()) {
-    const bool late = stop.reason() == StopCondition::Reason::timeLimit;
-    reportUnmoved(problem, late ? Status::timeLimit : Status::interrupted,
-                  late ? "the time limit is reached before the first step" : "interrupted before the first step",
-                  summary);
+  } else if (!settled || stop.reached()) {
+    reportStopped(problem, stop, summary);
   } else {
-    if (!compiled_->system) {
-      announce(options_, "analysing the structure");
-      std::unique_ptr<LinearSystem> system =
-          compiled_->asked ? std::move(compiled_->asked) : makeSystem(*graph.registry(), options_);
-      system->analyze(problem, options_, summary.threads);
-      compiled_->system = std::move(system);
-      if (large) returnFreeMemory();
-    }
+    compiled_->analyze(options_, summary.threads);
     summary.plan = compiled_->system->plan();
+    summary.seconds.analyze = watch.lap();
     if (summary.plan.exceedsMemory) {
-      reportUnmoved(problem, Status::memoryLimit,
+      reportUnmoved(&problem, Status::memoryLimit,
                     describeExcess(estimateCompilation(graph, options_) + summary.plan.bytes, options_), summary);
       compiled_->system.reset();
-      return summary;
+    } else {
+      const bool damped = chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
+      announce(options_, "optimising");
+      Descent descent(problem, *compiled_->system, options_, stop, compiled_->memory, summary);
+      descend(descent, algorithm, damped, summary.plan);
+      summary.plan.singular = compiled_->system->plan().singular;
+      problem.store();
+      summary.seconds.optimize = watch.lap();
     }
-    const bool damped = chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
-    summary.seconds.analyze = watch.lap();
-    announce(options_, "optimising");
-    Descent descent(problem, *compiled_->system, options_, stop, compiled_->memory, summary);
-    descend(descent, algorithm, damped, summary.plan);
-    summary.plan.singular = compiled_->system->plan().singular;
-    problem.store();
-    summary.seconds.optimize = watch.lap();
   }
   summary.seconds.total = whole.seconds();
   return summary;

@@ -48,7 +48,7 @@ void Options::validate() const {
   demand(costTolerance >= 0.0, "costTolerance", costTolerance);
   demand(gradientTolerance >= 0.0, "gradientTolerance", gradientTolerance);
   demand(stepTolerance >= 0.0, "stepTolerance", stepTolerance);
-  demand(level >= -1, "level", level);
+  if (level < -1) throw GraphError(fmt::format("option level is {}: it must be a level, or -1 for all", level));
   demand(memoryLimit >= 0, "memoryLimit", static_cast<double>(memoryLimit));
   demand(maxLinearIterations >= 0, "maxLinearIterations", maxLinearIterations);
   if (!(linearTolerance > 0.0) || !(linearTolerance < 1.0))

@@ -24,16 +24,12 @@ class ChangeFlag {
   std::atomic<std::uint64_t> revision_{0};
 };
 
-/// How an element reaches the flag of its graph. A copy of the element belongs to no graph; one that is assigned to
-/// stays in its own.
+/// How an element reaches the flag of its graph. A copy of the element belongs to no graph.
 class ChangeLink {
  public:
   ChangeLink() = default;
   ChangeLink(const ChangeLink&) noexcept {}
-  ChangeLink& operator=(const ChangeLink&) noexcept {
-    raise();
-    return *this;
-  }
+  ChangeLink& operator=(const ChangeLink&) = delete;
 
   void join(ChangeFlag& flag) noexcept {
     flag_ = &flag;

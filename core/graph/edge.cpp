@@ -20,7 +20,11 @@ bool isPositiveDefinite(const Eigen::Map<const Eigen::MatrixXd>& omega) {
 
 }  // namespace
 
-void checkInformation(const double* matrix, int dimension) {
+void checkInformation(const double* matrix, int rows, int columns) {
+  if (rows != columns)
+    throw GraphError(fmt::format("information matrix: {} × {}; it must be square, one row for each number of the error",
+                                 rows, columns));
+  const int dimension = rows;
   const Eigen::Map<const Eigen::MatrixXd> omega(matrix, dimension, dimension);
   double largest = 0.0;
   for (int c = 0; c < dimension; ++c) {

@@ -16,8 +16,20 @@
 namespace quiver {
 
 /// What all edges have in common: the vertices they join, a level, a robust kernel. Knows nothing of any solver.
+///
+/// Assigning one edge to another copies what it says (measurement, information, level, kernel) and not where it
+/// belongs: vertices, parameters and graph remain those of the edge assigned to.
 class Edge {
  public:
+  Edge() = default;
+  Edge(const Edge&) = default;
+  Edge& operator=(const Edge& other) {
+    level_ = other.level_;
+    kernel_ = other.kernel_;
+    countChange();
+    return *this;
+  }
+
   /// Ids of the vertices, in the order of the edge type's roles.
   std::span<const std::int64_t> vertexIds() const { return ids_.vertices(); }
   std::int64_t vertexId(int role) const { return ids_.vertex(role); }
@@ -70,6 +82,10 @@ struct AnyNumberOf {};
 
 /// How an edge's Jacobians are made.
 enum class Jacobians { automatic, analytic, dual, numeric };
+
+/// Throws GraphError unless the matrix (column-major) is an information matrix: square, finite, symmetric (to 1e-9 of
+/// its largest entry), no eigenvalue below −1e-6 of the largest. O(rows³).
+void checkInformation(const double* matrix, int rows, int columns);
 
 namespace detail {
 
@@ -134,6 +150,7 @@ class TriangleStore<Dynamic> {
 /// beside it: then no eigenvalue is negative (Gershgorin). Nearly every information matrix is found good by this.
 template <typename M>
 bool isPlainlyDominant(const M& matrix) {
+  if (matrix.rows() != matrix.cols()) return false;
   for (Eigen::Index c = 0; c < matrix.cols(); ++c) {
     double beside = 0.0;
     for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
@@ -144,6 +161,12 @@ bool isPlainlyDominant(const M& matrix) {
     if (!(matrix(c, c) >= beside) || !std::isfinite(matrix(c, c))) return false;
   }
   return true;
+}
+
+template <typename M>
+void requireInformation(const M& matrix) {
+  if (!isPlainlyDominant(matrix))
+    checkInformation(matrix.data(), static_cast<int>(matrix.rows()), static_cast<int>(matrix.cols()));
 }
 
 }  // namespace detail
@@ -180,8 +203,18 @@ class BaseEdge : public Edge {
     }
     return result;
   }
-  /// Throws GraphError if the matrix is not finite, not symmetric, or has an eigenvalue below −1e-6 of the largest.
-  void setInformation(const Matrix<double, N, N>& information);
+  /// Throws GraphError if the matrix is not square, not finite, not symmetric, or has an eigenvalue below −1e-6 of the
+  /// largest.
+  void setInformation(const Matrix<double, N, N>& information) {
+    detail::requireInformation(information);
+    const int n = static_cast<int>(information.rows());
+    countChange();
+    information_.resize(n);
+    std::size_t k = 0;
+    for (int r = 0; r < n; ++r) {
+      for (int c = r; c < n; ++c) information_.values()[k++] = information(r, c);
+    }
+  }
 
   const detail::MeasurementStore<M>& measurementStore() const { return measurement_; }
   /// To be written at once: later changes through the reference go unnoticed.
@@ -195,21 +228,5 @@ class BaseEdge : public Edge {
   detail::MeasurementStore<M> measurement_;
   detail::TriangleStore<N> information_;
 };
-
-/// Throws GraphError unless the dimension × dimension matrix (column-major) is an information matrix: finite, symmetric
-/// (to 1e-9 of its largest entry), no eigenvalue below −1e-6 of the largest. O(dimension³).
-void checkInformation(const double* matrix, int dimension);
-
-template <typename Derived, int N, typename M, typename... Vertices>
-void BaseEdge<Derived, N, M, Vertices...>::setInformation(const Matrix<double, N, N>& information) {
-  const int n = static_cast<int>(information.rows());
-  if (!detail::isPlainlyDominant(information)) checkInformation(information.data(), n);
-  countChange();
-  information_.resize(n);
-  std::size_t k = 0;
-  for (int r = 0; r < n; ++r) {
-    for (int c = r; c < n; ++c) information_.values()[k++] = information(r, c);
-  }
-}
 
 }  // namespace quiver

@@ -23,7 +23,7 @@ class ElementPool {
   };
   /// A blank element in a free slot, or in a new one.
   virtual Added add() = 0;
-  /// Blanks the element and frees its slot.
+  /// Blanks what the element says and frees its slot.
   virtual void remove(std::int64_t slot) = 0;
   /// Room, in one piece, for the slots below `count`.
   virtual void reserve(std::int64_t count) = 0;

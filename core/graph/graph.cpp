@@ -293,8 +293,10 @@ void Graph::removeVertex(std::int64_t id) {
   });
   for (Edge* edge : touching) removeEdge(*edge);
   ElementPool<Vertex>& pool = *vertices_[static_cast<std::size_t>(location.type)];
-  attachments_.erase(&pool.at(location.slot));
+  Vertex& vertex = pool.at(location.slot);
+  attachments_.erase(&vertex);
   pool.remove(location.slot);
+  vertex.id_ = -1;
   ++stamp_.removals;
   vertexIds_.erase(id);
 }
@@ -306,6 +308,8 @@ void Graph::removeEdge(Edge& edge) {
   }
   attachments_.erase(&edge);
   pool->remove(edge.slot_);
+  edge.alive_ = false;
+  edge.ids_ = {};
   ++stamp_.removals;
   --edgeCount_;
 }

@@ -71,8 +71,7 @@ class Graph {
   E& addEdge(std::span<const std::int64_t> vertices, const typename E::Measurement& measurement,
              const Matrix<double, E::errorDimension, E::errorDimension>& information,
              std::span<const std::int64_t> parameters = {}) {
-    if (!detail::isPlainlyDominant(information))
-      checkInformation(information.data(), static_cast<int>(information.rows()));
+    detail::requireInformation(information);
     E& edge = static_cast<E&>(addEdgeOf(edgeTypeIndex(typeName<E>()), vertices, parameters));
     edge.setMeasurement(measurement);
     storeInformation(edge, information);

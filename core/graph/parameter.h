@@ -11,9 +11,16 @@ namespace quiver {
 class Graph;
 
 /// A constant that edges share: a sensor's pose, a camera's intrinsics. Known in its graph by an id of its own name
-/// space.
+/// space. Assigning one to another copies the value alone.
 class Parameter {
  public:
+  Parameter() = default;
+  Parameter(const Parameter&) = default;
+  Parameter& operator=(const Parameter&) {
+    change_.raise();
+    return *this;
+  }
+
   std::int64_t id() const { return id_; }
   /// Index of its type in the registry of its graph.
   int type() const { return type_; }

@@ -13,8 +13,20 @@ class Graph;
 
 /// What all vertices have in common: an id, whether it is held fixed, whether it has an estimate. Knows nothing of any
 /// solver.
+///
+/// Assigning one vertex to another copies what it says (estimate, held directions) and not where it belongs: id and
+/// graph remain those of the vertex assigned to.
 class Vertex {
  public:
+  Vertex() = default;
+  Vertex(const Vertex&) = default;
+  Vertex& operator=(const Vertex& other) {
+    fixed_ = other.fixed_;
+    hasEstimate_ = other.hasEstimate_;
+    change_.raise();
+    return *this;
+  }
+
   /// Unique in its graph, ≥ 0.
   std::int64_t id() const { return id_; }
 

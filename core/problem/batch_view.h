@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include <quiver/core/problem/panel.h>
+#include <quiver/core/util/stop_condition.h>
 
 namespace quiver::detail {
 
@@ -23,6 +24,8 @@ struct BatchView {
   /// Not null: edges come in rows of eight, and `constants` begins with the first row. Where the vertices of a row lie
   /// in the state, eight numbers for each role.
   const std::uint32_t* rows = nullptr;
+  /// To be asked before every edge, if not null.
+  const StopCondition* stop = nullptr;
 };
 
 }  // namespace quiver::detail

@@ -5,116 +5,12 @@
 #include <vector>
 
 #include <quiver/core/problem/apply_kernels.h>
+#include <quiver/core/problem/dynamic_calls.h>
 #include <quiver/core/problem/edge_batch.h>
 #include <quiver/core/problem/scalar_loop.h>
 #include <quiver/core/problem/square_root.h>
 
 namespace quiver::detail {
-
-/// One role of an edge whose shape is known at run time: a vertex type, or any number of one.
-template <typename T>
-struct DynamicRole {
-  using Vertex = T;
-  static constexpr bool any = false;
-};
-template <typename T>
-struct DynamicRole<AnyNumberOf<T>> {
-  using Vertex = T;
-  static constexpr bool any = true;
-};
-
-/// Estimates in scalar S: packable ones rebound, vectors of run-time size as they are.
-template <typename Estimate, typename S>
-struct DynamicEstimate {
-  using Type = typename Packing<Estimate>::template Rebind<S>;
-  static Type fromNumbers(const S* numbers, int) { return Packing<Estimate>::template load<S>(numbers); }
-};
-template <typename S>
-struct DynamicEstimate<Vector<double, Dynamic>, S> {
-  using Type = Vector<S, Dynamic>;
-  static Type fromNumbers(const S* numbers, int count) { return Eigen::Map<const Type>(numbers, count); }
-};
-
-/// The calls of an edge type of run-time shape, for a scalar S.
-template <typename E, typename Vertices = typename E::VertexTypes, typename Parameters = typename E::Parameters>
-struct DynamicCalls;
-
-template <typename E, typename... V, typename... P>
-struct DynamicCalls<E, std::tuple<V...>, ParameterList<P...>> {
-  static constexpr int rows = E::errorDimension;
-  static constexpr int roles = sizeof...(V);
-  using M = typename E::Measurement;
-  template <typename S>
-  using MeasurementOf = typename RebindMeasurement<M, S>::Type;
-  template <typename T, typename S>
-  using EstimateOf = typename DynamicEstimate<typename DynamicRole<T>::Vertex::Estimate, S>::Type;
-  /// What computeError takes for a role.
-  template <typename T, typename S>
-  using Argument = std::conditional_t<DynamicRole<T>::any, std::span<const EstimateOf<T, S>>, const EstimateOf<T, S>&>;
-  template <typename T>
-  using BlockArgument =
-      std::conditional_t<DynamicRole<T>::any, std::span<Matrix<double, rows, DynamicRole<T>::Vertex::dimension>>,
-                         Matrix<double, rows, DynamicRole<T>::Vertex::dimension>&>;
-  template <typename S>
-  using Values = std::tuple<std::vector<EstimateOf<V, S>>...>;
-  using BlockLists = std::tuple<std::vector<Matrix<double, rows, DynamicRole<V>::Vertex::dimension>>...>;
-  template <typename S>
-  using ParameterValues = std::tuple<typename Packing<typename P::Value>::template Rebind<S>...>;
-  static constexpr int constants = (0 + ... + Packing<typename P::Value>::size);
-
-  template <typename S>
-  static constexpr bool hasError = requires(const E& e, const MeasurementOf<S>& m,
-                                            const typename Packing<typename P::Value>::template Rebind<S>&... p,
-                                            Argument<V, S>... x) {
-    { e.computeError(m, p..., x...) } -> std::same_as<Vector<S, rows>>;
-  };
-  static constexpr bool hasJacobian =
-      requires(const E& e, const M& m, const typename P::Value&... p, Argument<V, double>... x, BlockArgument<V>... J) {
-    e.linearizeOplus(m, p..., x..., J...);
-  };
-  template <typename T, typename S>
-  static constexpr bool roleRetracts = requires(const EstimateOf<T, S>& x,
-                                                const Vector<S, DynamicRole<T>::Vertex::dimension>& delta) {
-    { DynamicRole<T>::Vertex::oplus(x, delta) } -> std::convertible_to<EstimateOf<T, S>>;
-  };
-  template <typename S>
-  static constexpr bool retracts = (roleRetracts<V, S> && ...);
-
-  template <int I, typename S>
-  static Argument<std::tuple_element_t<I, std::tuple<V...>>, S> argument(const Values<S>& x) {
-    const auto& list = std::get<I>(x);
-    if constexpr (DynamicRole<std::tuple_element_t<I, std::tuple<V...>>>::any) {
-      return {list.data(), list.size()};
-    } else {
-      return list.front();
-    }
-  }
-  template <int I>
-  static BlockArgument<std::tuple_element_t<I, std::tuple<V...>>> block(BlockLists& J) {
-    auto& list = std::get<I>(J);
-    if constexpr (DynamicRole<std::tuple_element_t<I, std::tuple<V...>>>::any) {
-      return {list.data(), list.size()};
-    } else {
-      return list.front();
-    }
-  }
-
-  template <typename S>
-  static Vector<S, rows> error(const E& edge, const MeasurementOf<S>& m, const ParameterValues<S>& p,
-                               const Values<S>& x) {
-    return [&]<int... A, int... B>(std::integer_sequence<int, A...>, std::integer_sequence<int, B...>) {
-      return edge.computeError(m, std::get<A>(p)..., argument<B, S>(x)...);
-    }
-    (std::make_integer_sequence<int, sizeof...(P)>(), std::make_integer_sequence<int, roles>());
-  }
-  static void jacobian(const E& edge, const M& m, const ParameterValues<double>& p, const Values<double>& x,
-                       BlockLists& J) {
-    [&]<int... A, int... B>(std::integer_sequence<int, A...>, std::integer_sequence<int, B...>) {
-      edge.linearizeOplus(m, std::get<A>(p)..., argument<B, double>(x)..., block<B>(J)...);
-    }
-    (std::make_integer_sequence<int, sizeof...(P)>(), std::make_integer_sequence<int, roles>());
-  }
-};
 
 /// A batch of an edge type whose error dimension, arity or tangent dimensions are known at run time. One edge a call,
 /// in double.
@@ -269,6 +165,7 @@ class DynamicBatch final : public EdgeBatch {
   void run(const State& state, std::span<const std::int32_t> edges, const Panel& panel, bool withJacobians) const {
     if (edges.empty()) return;
     const int i = edges[0];
+    if (const StopCondition* stop = stopOfCostlyEdges()) stop->throwIfReached();
     const EdgeShape shape = this->shape(i);
     std::vector<Matrix<double, Dynamic, Dynamic>> J;
     for (const int columns : shape.columns) J.emplace_back(shape.rows, columns);
@@ -314,7 +211,14 @@ class DynamicBatch final : public EdgeBatch {
          ...);
         Calls::jacobian(typed(i), typed(i).measurement(), parametersOf<double>(i), x, blocks);
         place = 0;
-        ((forEachOf<I>(x, [&](std::size_t k) { J[place++] = std::get<I>(blocks)[k]; })), ...);
+        ((forEachOf<I>(x,
+                       [&](std::size_t k) {
+                         const auto& block = std::get<I>(blocks)[k];
+                         requireBlockSize(typed(i), typeName<E>(), block.rows(), block.cols(), shape.rows,
+                                          shape.columns[place]);
+                         J[place++] = block;
+                       })),
+         ...);
       }
       (std::make_integer_sequence<int, Calls::roles>());
     } else if constexpr (form == Jacobians::dual) {

@@ -10,6 +10,7 @@
 #include <quiver/core/problem/panel.h>
 #include <quiver/core/problem/product_targets.h>
 #include <quiver/core/problem/state.h>
+#include <quiver/core/util/stop_condition.h>
 
 namespace quiver {
 
@@ -32,6 +33,13 @@ struct BatchSource {
   std::vector<std::int64_t> begin;
   /// Threads that compiling may use.
   int threads = 1;
+};
+
+/// Nanoseconds that a row of an error takes, about. It decides about threads and about how often a stop is looked for,
+/// never about results.
+struct RowCost {
+  double evaluate = 3.0;
+  double linearize = 12.0;
 };
 
 /// All active edges of one type, compiled: the boundary between types and solvers.
@@ -94,15 +102,28 @@ class EdgeBatch {
   void setRobustCorrection(RobustCorrection correction) { correction_ = correction; }
   RobustCorrection robustCorrection() const { return correction_; }
 
+  /// That of eight edges side by side unless measured.
+  const RowCost& rowCost() const { return rowCost_; }
+  void setRowCost(const RowCost& cost) { rowCost_ = cost; }
+  /// Edges so costly that the clock does not count look at `stop` one by one and throw WorkStopped once it is reached;
+  /// others leave that to the loops of whoever calls. nullptr, as it is at first, means never.
+  void setStop(const StopCondition* stop) { stop_ = stop; }
+
  protected:
   explicit EdgeBatch(const BatchSource& source) : edges_(source.edges), slots_(source.slots), begin_(source.begin) {}
   void countRefresh() { ++revision_; }
+  const StopCondition* stopOfCostlyEdges() const {
+    constexpr double costly = 200.0;
+    return rowCost_.evaluate > costly ? stop_ : nullptr;
+  }
 
  private:
   std::vector<const Edge*> edges_;
   std::vector<std::int32_t> slots_;
   std::vector<std::int64_t> begin_;
   RobustCorrection correction_ = RobustCorrection::first;
+  RowCost rowCost_;
+  const StopCondition* stop_ = nullptr;
   std::int64_t revision_ = 0;
 };
 

@@ -28,6 +28,9 @@ struct EdgeFormOf {
   static constexpr bool hasAnalytic = Functions::template anyJacobian<double>;
   static constexpr bool hasDual =
       Functions::template anyError<DualOf<double>> && Functions::template retracts<DualOf<double>>;
+  static_assert(Functions::template anyError<double>,
+                "computeError must take (measurement, parameters…, estimates…) and return exactly Vector<double, N>; "
+                "`auto` would return an expression of what is gone by then");
   static_assert(requested != Jacobians::analytic || hasAnalytic,
                 "jacobians = analytic needs linearizeOplus(measurement, estimates…, Matrix<S, N, D>&…)");
   static_assert(
@@ -165,7 +168,8 @@ class FixedBatch final : public EdgeBatch {
 
  private:
   BatchView view(const State& state) const {
-    return {constants_.data(), numbers_, records_.data(), size(), state.data(), diagonal_, objects_.data()};
+    return {constants_.data(), numbers_, records_.data(),    size(), state.data(), diagonal_,
+            objects_.data(),   nullptr,  stopOfCostlyEdges()};
   }
   BatchView view(const State& state, const EdgeRows& rows, std::int64_t first) const {
     BatchView result = view(state);

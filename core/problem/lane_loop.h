@@ -235,13 +235,14 @@ inline void laneLoop(const BatchView& view, const std::int32_t* edges, int count
       const double* in = view.constants + std::int64_t{begin} * view.numbers;
       for (int k = 0; k < Loop::values; ++k) loadLanes(in + k * L::width, constant[k]);
       in += Loop::values * L::width;
-      const int roots = view.diagonal ? rows : Loop::triangle;
-      for (int k = 0; k < roots; ++k) loadLanes(in + k * L::width, U[k]);
+      for (int k = 0; k < rows; ++k) loadLanes(in + k * L::width, U[k]);
+      for (int k = rows; !view.diagonal && k < Loop::triangle; ++k) loadLanes(in + k * L::width, U[k]);
     } else if (view.diagonal) {
       loadConstants<rows>(view.constants + Loop::values * L::width, view.numbers, ids, edgesHere, U);
     } else {
       loadConstants<Loop::triangle>(view.constants + Loop::values * L::width, view.numbers, ids, edgesHere, U);
     }
+    for (int k = rows; view.diagonal && k < Loop::triangle; ++k) U[k] = L(0.0);
     const auto m = Packing<typename E::Measurement>::template load<L>(constant);
     const auto p = Loop::template parameterValues<L>(constant);
     const auto x = loadEstimates<E, L>(view, ids, group);

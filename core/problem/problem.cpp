@@ -12,14 +12,34 @@
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/lane_sums.h>
 #include <quiver/core/util/parallel.h>
+#include <quiver/core/util/stopwatch.h>
 
 namespace quiver {
 namespace {
 
 constexpr int pieceEdges = 256;
+/// Edges that run one by one may cost anything: fewer make a piece, so that threads can share them.
+constexpr int singleEdges = 16;
 /// Nanoseconds, about: what is worth a thread.
-constexpr double evaluationPerRow = 3.0;
 constexpr double retractionPerVariable = 15.0;
+
+/// What a row of the batch's first edge takes, the second time it is computed.
+RowCost measureRowCost(const EdgeBatch& batch, const State& state) {
+  const EdgeShape shape = batch.shape(0);
+  if (shape.rows == 0) return {};
+  PanelBuffer buffer(batch.largestShape());
+  const std::int32_t edge = 0;
+  const auto nanoseconds = [&](const auto& compute) {
+    compute();
+    const Stopwatch watch;
+    compute();
+    return 1e9 * watch.seconds() / shape.rows;
+  };
+  RowCost cost;
+  cost.evaluate = nanoseconds([&] { batch.evaluate(state, {&edge, 1}, buffer.panel()); });
+  cost.linearize = nanoseconds([&] { batch.linearize(state, {&edge, 1}, buffer.panel()); });
+  return cost;
+}
 
 bool coversAll(std::uint64_t mask, int dimension) {
   const std::uint64_t all = dimension >= 64 ? Vertex::allDirections : (std::uint64_t{1} << dimension) - 1;
@@ -35,6 +55,8 @@ Problem::Problem(Graph& graph, const ProblemScope& scope) : graph_(&graph), thre
   state_ = State(layout_);
   loadState();
   trial_ = state_;
+  measureRowCosts();
+  makePanels();
 }
 
 std::vector<std::vector<const Edge*>> Problem::collectEdges(const ProblemScope& scope) const {
@@ -207,18 +229,33 @@ void Problem::makeBatches(std::vector<std::vector<const Edge*>> edges, const std
     edgeTypes_.push_back(&edgeType);
     const int size = batches_.back()->size();
     edges_ += size;
-    for (int begin = 0; begin < size; begin += pieceEdges) {
-      pieces_.push_back({static_cast<int>(batches_.size()) - 1, begin, std::min(size, begin + pieceEdges), {}});
+    const int piece = batches_.back()->rowBytes() > 0 ? pieceEdges : singleEdges;
+    for (int begin = 0; begin < size; begin += piece) {
+      pieces_.push_back({static_cast<int>(batches_.size()) - 1, begin, std::min(size, begin + piece), {}});
     }
   }
+}
+
+void Problem::measureRowCosts() {
+  for (const auto& batch : batches_) {
+    if (batch->rowBytes() == 0) batch->setRowCost(measureRowCost(*batch, state_));
+  }
+}
+
+void Problem::makePanels() {
   double nanoseconds = 0.0;
-  for (const auto& batch : batches_) nanoseconds += evaluationPerRow * batch->size() * batch->largestShape().rows;
+  for (const auto& batch : batches_)
+    nanoseconds += batch->rowCost().evaluate * batch->size() * batch->largestShape().rows;
   evaluationThreads_ = worthwhileThreads(threads_, nanoseconds);
   const int tasks = evaluationThreads_ == 1 ? 1 : 4 * evaluationThreads_;
   panels_.resize(static_cast<std::size_t>(tasks));
   for (auto& panels : panels_) {
     for (const auto& batch : batches_) panels.emplace_back(batch->largestShape(), false);
   }
+}
+
+void Problem::setStop(const StopCondition* stop) {
+  for (const auto& batch : batches_) batch->setStop(stop);
 }
 
 void Problem::loadState() {

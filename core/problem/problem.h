@@ -87,6 +87,9 @@ class Problem {
   /// Σ eᵀΩe and Σ ρ at a state, in a fixed order of additions. Allocates nothing after the first call.
   CostTotals evaluate(const State& state);
 
+  /// Costly edges throw WorkStopped out of evaluations and linearisations once `stop` is reached; nullptr ends that.
+  void setStop(const StopCondition* stop);
+
   /// Reads estimates from the graph again and, unless nothing else has changed there, measurements and weights; its
   /// structure must be that of the compilation.
   void refresh(bool estimatesOnly = false);
@@ -104,6 +107,8 @@ class Problem {
   void makeBatches(std::vector<std::vector<const Edge*>> edges, const std::vector<std::int32_t>& ends);
   void numberVariables(const std::vector<char>& movable);
   void loadState();
+  void measureRowCosts();
+  void makePanels();
 
   Graph* graph_;
   int threads_;
@@ -132,7 +137,7 @@ class Problem {
   State trial_;
   State best_;
 
-  /// Pieces of 256 edges with their partial sums, and the panels of the tasks that evaluate them.
+  /// Pieces of a batch's edges with their partial sums, and the panels of the tasks that evaluate them.
   struct Piece {
     int batch;
     int begin;

@@ -77,6 +77,7 @@ inline void scalarLoop(const BatchView& view, const std::int32_t* edges, int cou
   constexpr int rows = Loop::rows;
   constexpr int lanes = Panel::lanes;
   for (int i = 0; i < count; ++i) {
+    if (view.stop != nullptr) view.stop->throwIfReached();
     const std::int32_t id = edges[i];
     const E& edge = *static_cast<const E*>(view.objects[id]);
     const double* constant = view.constants + std::int64_t{id} * view.numbers;

@@ -32,6 +32,8 @@ bool equalIgnoringCase(std::string_view a, std::string_view b) {
                     [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
+bool isWord(std::string_view text) { return !text.empty() && text.find_first_of(" \t\r\n\v\f") == text.npos; }
+
 template <typename Entry>
 const NamedEntry<Entry>* findNamed(const std::vector<NamedEntry<Entry>>& entries, std::string_view name) {
   for (const auto& entry : entries) {
@@ -76,7 +78,7 @@ Registry::Registry() : lookup_(std::make_unique<Lookup>()) {}
 Registry::~Registry() = default;
 
 void Registry::claimTag(const std::string& tag) const {
-  if (tag.empty() || tag.find_first_of(" \t\r\n") != std::string::npos || tag.front() == '#' || tag == "FIX") {
+  if (!isWord(tag) || tag.front() == '#' || tag == "FIX") {
     throw GraphError(fmt::format("'{}' cannot be a tag: a tag is one word, not FIX, not beginning with #", tag));
   }
   if (findVertexType(tag) || findEdgeType(tag) || findParameterType(tag) || isDataTag(tag)) {
@@ -171,6 +173,8 @@ void Registry::addAlgorithm(std::string name, std::string documentation, Algorit
 }
 
 void Registry::addRobustKernel(const RobustKernelType& kernel) {
+  if (!isWord(kernel.name) || equalIgnoringCase(kernel.name, "none"))
+    throw GraphError(fmt::format("'{}' cannot name a robust kernel: a name is one word, not none", kernel.name));
   if (findRobustKernel(kernel.name))
     throw GraphError(fmt::format("robust kernel '{}' is registered already", kernel.name));
   robustKernels_.push_back(&kernel);

@@ -47,6 +47,11 @@ class VertexTypeOf final : public VertexType {
   VertexTypeOf(std::string tag, std::string documentation)
       : VertexType(std::move(tag), typeName<V>(), std::move(documentation)) {
     static_assert(alignof(V) <= 8, "a vertex may not ask for more alignment than a double");
+    static_assert(
+        requires(const typename V::Estimate& x, const Vector<double, V::dimension>& delta) {
+          { V::oplus(x, delta) } -> std::same_as<typename V::Estimate>;
+        },
+        "static oplus(estimate, Vector<double, D>) must return exactly Estimate: name the type instead of auto");
   }
 
   std::unique_ptr<ElementPool<Vertex>> makePool() const override { return std::make_unique<TypedPool<Vertex, V>>(); }
@@ -87,8 +92,9 @@ class VertexTypeOf final : public VertexType {
     if constexpr (V::dimension == Dynamic) {
       const Eigen::Map<const Eigen::VectorXd> estimate(x, dimension);
       const Eigen::Map<const Eigen::VectorXd> step(delta, dimension);
-      Eigen::Map<Eigen::VectorXd>(out, dimension) =
-          V::oplus(Vector<double, Dynamic>(estimate), Vector<double, Dynamic>(step));
+      const Vector<double, Dynamic> moved = V::oplus(Vector<double, Dynamic>(estimate), Vector<double, Dynamic>(step));
+      requireEstimateSize(tag(), moved.size(), dimension);
+      Eigen::Map<Eigen::VectorXd>(out, dimension) = moved;
     } else {
       retractOne<V>(x, delta, out);
     }

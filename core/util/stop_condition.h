@@ -4,7 +4,15 @@
 #include <limits>
 #include <stop_token>
 
+#include <quiver/core/util/error.h>
+
 namespace quiver {
+
+/// Thrown out of work that a stop condition ends in its midst.
+class WorkStopped : public Error {
+ public:
+  WorkStopped() : Error("the time is over, or a stop was asked for") {}
+};
 
 /// Why long work should end early: a deadline, a stop token, or both. Cheap enough to be asked every few microseconds
 /// of work; asking is safe from any thread.
@@ -26,6 +34,9 @@ class StopCondition {
     return Reason::none;
   }
   bool reached() const { return reason() != Reason::none; }
+  void throwIfReached() const {
+    if (reached()) throw WorkStopped();
+  }
 
  private:
   Clock::time_point deadline_ = Clock::time_point::max();

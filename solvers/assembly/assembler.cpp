@@ -15,12 +15,12 @@ constexpr int lanes = Panel::lanes;
 /// Edges a panel call handles: few enough that the panel stays in the first cache.
 constexpr int panelEdges = 16;
 
-/// About what linearising takes, eight edges at a time: structure alone decides about threads.
 double linearizationNanoseconds(const Problem& problem) {
-  constexpr double perRow = 12.0;
   double sum = 0.0;
-  for (int b = 0; b < problem.batches(); ++b)
-    sum += perRow * problem.batch(b).size() * problem.batch(b).largestShape().rows;
+  for (int b = 0; b < problem.batches(); ++b) {
+    const EdgeBatch& batch = problem.batch(b);
+    sum += batch.rowCost().linearize * batch.size() * batch.largestShape().rows;
+  }
   return sum;
 }
 

@@ -34,7 +34,9 @@ std::vector<std::pair<int, int>> AssemblyPlan::variablePairs(const Problem& prob
 void AssemblyPlan::cutPieces(const Problem& problem) {
   for (int b = 0; b < problem.batches(); ++b) {
     const int size = problem.batch(b).size();
-    const int piece = (std::clamp(size / 32, 1024, 16384) + 15) / 16 * 16;
+    // Edges that run one by one may cost anything: threads are to share them even if they are few.
+    const int least = problem.batch(b).rowBytes() > 0 ? 1024 : Panel::capacity;
+    const int piece = (std::clamp(size / 32, least, 16384) + 15) / 16 * 16;
     for (int begin = 0; begin < size; begin += piece)
       pieces_.push_back({b, begin, std::min(size, begin + piece), 0, 0});
   }

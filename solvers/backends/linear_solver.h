@@ -58,6 +58,9 @@ class LinearSolver {
   /// allocate.
   virtual void analyze(std::shared_ptr<const BlockPattern> pattern, int threads) = 0;
 
+  /// Another descent begins with the same structure: what was learnt from earlier right-hand sides is forgotten.
+  virtual void restart() {}
+
   /// Factors H + diag(damping); `damping` has one non-negative entry a scalar, or is empty. H is not changed. `stop` is
   /// polled inside; after Outcome::interrupted the factor is unusable.
   virtual SolverStatus factorize(const BlockMatrix& matrix, std::span<const double> damping,

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include <quiver/core/util/parallel.h>
+#include <quiver/solvers/backends/forcing_term.h>
 #include <quiver/solvers/backends/validate.h>
 #include <quiver/solvers/block/symmetric_product.h>
 
@@ -13,9 +14,7 @@ namespace {
 
 /// Block rows of one task: fixed, so that sums are added in the same order for any number of threads.
 constexpr int chunkBlocks = 512;
-/// Eisenstat and Walker's second choice, η = 0.9 (‖b‖ / ‖b_before‖)², between these and the final tolerance.
 constexpr double loosest = 0.1;
-constexpr double forcingScale = 0.9;
 
 /// Lower Cholesky factor of a column-major n × n block in place; the coordinate of the first pivot that is not
 /// positive, or −1.
@@ -34,7 +33,7 @@ int factorBlock(double* a, int n, double& pivot) {
 
 class PcgSolver final : public LinearSolver {
  public:
-  explicit PcgSolver(const PcgOptions& options) : options_(options) {}
+  explicit PcgSolver(const PcgOptions& options) : options_(options), forcing_(loosest, options.tolerance) {}
 
   std::string name() const override { return "pcg"; }
 
@@ -58,8 +57,10 @@ class PcgSolver final : public LinearSolver {
     }
     statistics_.bytes = static_cast<std::int64_t>((6 * scalars + factors_.size()) * sizeof(double)) + product_.bytes();
     matrix_ = nullptr;
-    before_ = 0.0;
+    forcing_.restart();
   }
+
+  void restart() override { forcing_.restart(); }
 
   SolverStatus factorize(const BlockMatrix& matrix, std::span<const double> damping,
                          const StopCondition& stop) override {
@@ -80,6 +81,7 @@ class PcgSolver final : public LinearSolver {
       if (coordinate >= 0) return {SolverStatus::Outcome::notPositiveDefinite, block, coordinate, pivot};
     }
     matrix_ = &matrix;
+    fresh_ = true;
     return {};
   }
 
@@ -147,15 +149,6 @@ class PcgSolver final : public LinearSolver {
     });
   }
 
-  /// With forcing: tightens while the right-hand sides fall, and begins anew when one is larger than the last.
-  double toleranceFor(double norm) {
-    if (!options_.forcing) return options_.tolerance;
-    const double ratio = before_ > 0.0 ? norm / before_ : std::numeric_limits<double>::infinity();
-    before_ = norm;
-    forced_ = ratio > 1.0 ? loosest : std::min(forced_, forcingScale * ratio * ratio);
-    return forced_ = std::max(forced_, options_.tolerance);
-  }
-
   int mostIterations() const {
     if (options_.maxIterations > 0) return options_.maxIterations;
     return static_cast<int>(std::min<std::int64_t>(10000, 10 * pattern_->layout().scalars()));
@@ -167,7 +160,9 @@ class PcgSolver final : public LinearSolver {
       for (std::size_t i = first; i < last; ++i) r_[i] = b[i];
       return precondition(begin, end);
     });
-    const double goal = toleranceFor(std::sqrt(rz)) * std::sqrt(rz);
+    // Beside the one step that each factorisation is for, solves are as exact as asked.
+    const bool loose = options_.forcing && std::exchange(fresh_, false);
+    const double goal = (loose ? forcing_.next(std::sqrt(rz)) : options_.tolerance) * std::sqrt(rz);
     p_ = z_;
     SolverStatus status;
     for (int iteration = 0; std::sqrt(rz) > goal; ++iteration) {
@@ -214,8 +209,8 @@ class PcgSolver final : public LinearSolver {
   std::vector<double> factors_;  // L of every diagonal block, column-major
   std::vector<double> x_, r_, z_, p_, q_;
   std::vector<double> partial_;
-  double before_ = 0.0;  // norm of the last right-hand side
-  double forced_ = loosest;
+  ForcingTerm forcing_;
+  bool fresh_ = false;
   FactorStatistics statistics_;
 };
 

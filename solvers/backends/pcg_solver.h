@@ -11,8 +11,8 @@ struct PcgOptions {
   double tolerance = 1e-8;
   /// Iterations at most; 0 means ten times the scalars, at most 10000.
   int maxIterations = 0;
-  /// Begin with a tolerance of 0.1 and tighten it as the right-hand sides of successive factorisations fall (Eisenstat
-  /// and Walker's second choice): far from the optimum an exact step is wasted.
+  /// The first solve after each factorisation begins with a tolerance of 0.1 and tightens it as the right-hand sides
+  /// fall (ForcingTerm); other solves are exact.
   bool forcing = false;
 };
 

@@ -6,8 +6,6 @@
 namespace quiver {
 namespace {
 
-constexpr double firstForcing = 0.01;
-
 double dot(std::span<const double> a, std::span<const double> b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
@@ -15,19 +13,6 @@ double dot(std::span<const double> a, std::span<const double> b) {
 }
 
 }  // namespace
-
-/// η = 0.9 (‖s‖ / ‖s before‖)², not falling faster than its own square, and not above the first.
-double ConjugateReduction::forcing(double norm) {
-  double eta = firstForcing;
-  if (lastNorm_ > 0.0) {
-    const double ratio = norm / lastNorm_;
-    eta = 0.9 * ratio * ratio;
-    if (const double guard = 0.9 * lastForcing_ * lastForcing_; guard > 0.1) eta = std::max(eta, guard);
-    eta = std::clamp(eta, std::min(limits_.tolerance, firstForcing), firstForcing);
-  }
-  lastNorm_ = norm;
-  return lastForcing_ = eta;
-}
 
 LinearOutcome ConjugateReduction::solve(std::span<double> x, const Precondition& precondition, const Multiply& multiply,
                                         const StopCondition& stop) {
@@ -41,7 +26,7 @@ LinearOutcome ConjugateReduction::solve(std::span<double> x, const Precondition&
     return {.kind = LinearOutcome::Kind::notPositiveDefinite};
   double rho = dot(residual_, scaled_);
   if (!(rho > 0.0)) return outcome;
-  const double target = forcing(std::sqrt(rho)) * std::sqrt(rho);
+  const double target = forcing_.next(std::sqrt(rho)) * std::sqrt(rho);
   direction_ = scaled_;
   const int most =
       limits_.maxIterations > 0 ? limits_.maxIterations : static_cast<int>(std::min<std::size_t>(10 * n, 10000));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <quiver/core/algorithm/linear_system.h>
+#include <quiver/solvers/backends/forcing_term.h>
 #include <quiver/solvers/backends/linear_solver.h>
 
 namespace quiver {
@@ -12,7 +13,7 @@ namespace quiver {
 /// Preconditioned conjugate gradients for the reduced system S x = s, given by its products alone.
 ///
 /// A step far from the optimum need not be exact: the solve ends at √(rᵀM⁻¹r) ≤ η √(sᵀM⁻¹s), where η begins at 0.01 and
-/// falls to `tolerance` as the right-hand sides of successive systems do (Eisenstat and Walker's second choice).
+/// falls to `tolerance` as the right-hand sides of successive systems do (ForcingTerm).
 class ConjugateReduction {
  public:
   struct Limits {
@@ -24,18 +25,18 @@ class ConjugateReduction {
   using Multiply = std::function<void(std::span<const double>, std::span<double>)>;
 
   ConjugateReduction() = default;
-  explicit ConjugateReduction(const Limits& limits) : limits_(limits) {}
+  explicit ConjugateReduction(const Limits& limits) : limits_(limits), forcing_(0.01, limits.tolerance) {}
+
+  /// Another descent begins.
+  void restart() { forcing_.restart(); }
 
   /// Overwrites x, which holds s, with the solution. Polls `stop` once an iteration.
   LinearOutcome solve(std::span<double> x, const Precondition& precondition, const Multiply& multiply,
                       const StopCondition& stop);
 
  private:
-  double forcing(double norm);
-
   Limits limits_;
-  double lastNorm_ = 0.0;
-  double lastForcing_ = 0.0;
+  ForcingTerm forcing_;
   std::vector<double> residual_;
   std::vector<double> scaled_;
   std::vector<double> direction_;

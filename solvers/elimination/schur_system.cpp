@@ -164,6 +164,11 @@ void SchurSystem::layOut(int threads) {
   plan_.bytes += linearizer_.bytes() + assembler_.bytes() + eliminator_.bytes();
 }
 
+void SchurSystem::restart() {
+  conjugate_.restart();
+  if (solver_) solver_->restart();
+}
+
 CostTotals SchurSystem::linearize(const State& state) {
   state_ = &state;
   CostTotals totals;

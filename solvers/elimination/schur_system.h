@@ -29,6 +29,7 @@ class SchurSystem final : public LinearSystem {
   explicit SchurSystem(std::unique_ptr<LinearSolver> solver = nullptr, std::optional<EliminationChoice> choice = {});
 
   void analyze(const Problem& problem, const Options& options, int threads) override;
+  void restart() override;
   CostTotals linearize(const State& state) override;
   std::optional<CostTotals> tryState(const State& trial) override;
   void dropTrial() override { tried_ = nullptr; }

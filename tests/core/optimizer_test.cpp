@@ -241,5 +241,19 @@ TEST(Optimizer, ReusesItsStructure) {
   EXPECT_FALSE(optimizer.reused());
 }
 
+TEST(Options, NameKnownTypesEvenForOneVariable) {
+  Graph graph = points(1);
+  Options options;
+  options.elimination = EliminationPolicy::types;
+  options.eliminatedTypes = {"VERTEX_NOWHERE"};
+  EXPECT_THROW((void)optimize(graph, options), GraphError);
+}
+
+TEST(Options, SayWhichLevelsThereAre) {
+  Graph graph = points(1);
+  EXPECT_THAT([&] { (void)optimize(graph, {.level = -2}); },
+              ::testing::ThrowsMessage<GraphError>(HasSubstr("-1 for all")));
+}
+
 }  // namespace
 }  // namespace quiver

@@ -116,10 +116,12 @@ class ElementWriter final : public FieldWriter {
 
   void writeFixed(const Vertex& vertex, int dimension) {
     if (fullyFixed(vertex, dimension)) return fix(vertex);
-    if (vertex.fixedDirections() == 0 || !annotations_) return;
+    const int bits = dimension > 0 ? std::min(dimension, 64) : 64;
+    const std::uint64_t mask = vertex.fixedDirections() << (64 - bits) >> (64 - bits);
+    if (mask == 0 || !annotations_) return;
     out_.text("#quiver fixed");
-    for (int i = 0; i < (dimension > 0 ? std::min(dimension, 64) : 64); ++i) {
-      if (vertex.fixedDirections() >> i & 1) integer(i);
+    for (int i = 0; i < bits; ++i) {
+      if (mask >> i & 1) integer(i);
     }
     out_.character('\n');
   }
@@ -147,6 +149,12 @@ class ElementWriter final : public FieldWriter {
 
   void writeMarks(const Edge& edge) {
     if (const RobustKernel& kernel = edge.robustKernel()) {
+      if (graph_.registry()->findRobustKernel(kernel.name()) != kernel.type()) {
+        throw GraphError(
+            fmt::format("edge {}: robust kernel '{}' is not of the graph's registry, so that no reader would know it; "
+                        "registry->addRobustKernel makes it so",
+                        what_, kernel.name()));
+      }
       out_.text("#quiver kernel");
       word(kernel.name());
       real(kernel.width());

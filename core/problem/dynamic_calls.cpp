@@ -1,0 +1,30 @@
+#include <quiver/core/problem/dynamic_calls.h>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <quiver/core/util/error.h>
+
+namespace quiver::detail {
+
+void requireErrorSize(const Edge& edge, std::string_view type, Eigen::Index found, int expected) {
+  if (found == expected) return;
+  throw GraphError(fmt::format(
+      "edge {} {}: computeError returned {} numbers, but the information matrix is {} × {}; they must agree", type,
+      fmt::join(edge.vertexIds(), " "), found, expected, expected));
+}
+
+void requireEstimateSize(std::string_view type, Eigen::Index found, int expected) {
+  if (found == expected) return;
+  throw GraphError(
+      fmt::format("vertex type {}: oplus returned an estimate of {} numbers for one of {}", type, found, expected));
+}
+
+void requireBlockSize(const Edge& edge, std::string_view type, Eigen::Index rows, Eigen::Index columns,
+                      int expectedRows, int expectedColumns) {
+  if (rows == expectedRows && columns == expectedColumns) return;
+  throw GraphError(fmt::format("edge {} {}: linearizeOplus made a block of {} × {} that must be {} × {}", type,
+                               fmt::join(edge.vertexIds(), " "), rows, columns, expectedRows, expectedColumns));
+}
+
+}  // namespace quiver::detail
