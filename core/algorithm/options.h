@@ -64,7 +64,7 @@ struct Options {
   double linearTolerance = 1e-8;
   /// Iterations of an iterative linear solver at most; 0 means ten times the unknown scalars, at most 10000.
   int maxLinearIterations = 0;
-  /// Called when a long phase of the work begins, with a few words that name it ("ordering the elimination"), on the
+  /// Called when a long phase of the work begins, with a few words that name it ("analysing the structure"), on the
   /// calling thread.
   std::function<void(std::string_view)> phase = {};
 
