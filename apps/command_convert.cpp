@@ -43,7 +43,8 @@ void addConvertCommand(CLI::App& parser, int&) {
           "Graph to write: TORO where the name ends in .graph or .toro, a table for .csv, .bal, else .g2o; .gz "
           "and .bz2 compress; - is standard output")
       ->required()
-      ->type_name("");
+      ->type_name("")
+      ->check(outputPath());
   static const std::map<std::string, GraphFormat> formats{
       {"g2o", GraphFormat::g2o}, {"toro", GraphFormat::toro}, {"csv", GraphFormat::csv}, {"bal", GraphFormat::bal}};
   command->add_option("--to", flags->format, "Format to write, whatever the name says")

@@ -1,5 +1,7 @@
 #include <map>
+#include <optional>
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -7,6 +9,8 @@
 #include <quiver/apps/evaluate/trajectory_svg.h>
 #include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
+#include <quiver/apps/support/known_poses.h>
+#include <quiver/apps/support/named_errors.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/output.h>
 #include <quiver/apps/support/standard_streams.h>
@@ -19,13 +23,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// What --align says.
+enum class Align { automatic, none, se2, se3, sim3 };
+
 struct Flags {
+  /// How graphs are read; its path is unused.
+  GraphSource source;
   std::string estimate;
   std::string truth;
-  std::vector<std::string> plugins;
-  std::string align = "auto";
+  Align align = Align::automatic;
   PoseMatching matching = PoseMatching::automatic;
-  double stampTolerance = 0.01;
+  std::optional<double> stampTolerance;
   double step = 1.0;
   double metres = 0.0;
   std::string svg;
@@ -33,29 +41,48 @@ struct Flags {
 };
 
 /// A graph's poses, or a trajectory file's.
-Trajectory load(const std::string& path, const std::shared_ptr<const Registry>& registry) {
+Trajectory load(GraphSource source, const std::string& path, const std::shared_ptr<const Registry>& registry) {
   const InputFile file(path);
   if (isTrajectoryText(file.text())) return readTrajectoryText(file.text(), file.name());
-  return trajectoryOf(readGraphText(file.text(), file.name(), registry));
+  source.path = path;
+  ReadReport report;
+  const Graph graph = readGraphText(file.text(), file.name(), registry, readOptions(source, report));
+  for (const std::string& note : readingNotes(source, report)) tell(stderr, "{}\n", note);
+  return naming(displayName(path), [&] { return trajectoryOf(graph, knownPoses(*registry)); });
+}
+
+AlignmentGroup groupOf(Align align, bool planar) {
+  switch (align) {
+    case Align::none:
+      return AlignmentGroup::none;
+    case Align::se2:
+      return AlignmentGroup::se2;
+    case Align::se3:
+      return AlignmentGroup::se3;
+    case Align::sim3:
+      return AlignmentGroup::sim3;
+    case Align::automatic:
+      break;
+  }
+  return planar ? AlignmentGroup::se2 : AlignmentGroup::se3;
 }
 
 EvaluationOptions optionsOf(const Flags& flags, const Trajectory& estimate, const Trajectory& truth) {
-  const std::map<std::string, AlignmentGroup> groups{{"none", AlignmentGroup::none},
-                                                     {"se2", AlignmentGroup::se2},
-                                                     {"se3", AlignmentGroup::se3},
-                                                     {"sim3", AlignmentGroup::sim3}};
   EvaluationOptions options;
-  options.alignment = flags.align != "auto"             ? groups.at(flags.align)
-                      : estimate.planar && truth.planar ? AlignmentGroup::se2
-                                                        : AlignmentGroup::se3;
+  options.alignment = groupOf(flags.align, estimate.planar && truth.planar);
   options.matching = flags.matching;
-  options.stampTolerance = flags.stampTolerance;
+  if (flags.stampTolerance) options.stampTolerance = *flags.stampTolerance;
   options.stepInMetres = flags.metres > 0.0;
   options.step = options.stepInMetres ? flags.metres : flags.step;
   return options;
 }
 
+/// The statistics of no error are unknown, not zero.
 Json describe(const ErrorStatistics& s) {
+  if (s.count == 0) {
+    return {{"count", 0},     {"rmse", nullptr}, {"mean", nullptr}, {"median", nullptr},
+            {"std", nullptr}, {"min", nullptr},  {"max", nullptr}};
+  }
   return {{"count", s.count},   {"rmse", s.rootMeanSquare}, {"mean", s.mean},  {"median", s.median},
           {"std", s.deviation}, {"min", s.least},           {"max", s.largest}};
 }
@@ -65,6 +92,7 @@ Json describe(const Flags& flags, const EvaluationOptions& options, const Trajec
   const Vector<double, 3>& t = error.alignment.translation;
   Json json{{"quiver", QUIVER_VERSION}, {"estimate", displayName(flags.estimate)}, {"truth", displayName(flags.truth)}};
   json["matched_poses"] = error.matched;
+  json["matched_by"] = nameOf(error.matching);
   json["alignment"] = {{"group", nameOf(options.alignment)},
                        {"scale", error.alignment.scale},
                        {"rotation_qx_qy_qz_qw", {rotation.x(), rotation.y(), rotation.z(), rotation.w()}},
@@ -78,36 +106,45 @@ Json describe(const Flags& flags, const EvaluationOptions& options, const Trajec
   return json;
 }
 
-void printRow(const char* name, const ErrorStatistics& s) {
-  tell(stdout, "{:<24}{:>9}{:>12.5g}{:>12.5g}{:>12.5g}{:>12.5g}{:>12.5g}{:>12.5g}\n", name, s.count, s.rootMeanSquare,
+void printRow(std::FILE* stream, const char* name, const ErrorStatistics& s) {
+  if (s.count == 0) return tell(stream, "{:<24}{:>9}  of a single pose there is none\n", name, 0);
+  tell(stream, "{:<24}{:>9}{:>12.5g}{:>12.5g}{:>12.5g}{:>12.5g}{:>12.5g}{:>12.5g}\n", name, s.count, s.rootMeanSquare,
        s.mean, s.median, s.deviation, s.least, s.largest);
 }
 
-void print(const EvaluationOptions& options, const TrajectoryError& error) {
-  tell(stdout, "{} matched poses, alignment {}", error.matched, nameOf(options.alignment));
-  if (options.alignment == AlignmentGroup::sim3) tell(stdout, ", scale {:.9g}", error.alignment.scale);
-  tell(stdout, ", relative errors over {:g} {}\n", options.step, options.stepInMetres ? "m" : "poses");
-  tell(stdout, "{:<24}{:>9}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "", "count", "rmse", "mean", "median", "std", "min",
+void print(std::FILE* stream, const EvaluationOptions& options, const TrajectoryError& error) {
+  tell(stream, "{} matched {} (by {}), alignment {}", error.matched, error.matched == 1 ? "pose" : "poses",
+       nameOf(error.matching), nameOf(options.alignment));
+  if (options.alignment == AlignmentGroup::sim3) tell(stream, ", scale {:.9g}", error.alignment.scale);
+  const char* const unit = options.stepInMetres ? "m" : options.step == 1.0 ? "pose" : "poses";
+  tell(stream, ", relative errors over {:g} {}\n", options.step, unit);
+  tell(stream, "{:<24}{:>9}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "", "count", "rmse", "mean", "median", "std", "min",
        "max");
-  printRow("absolute translation m", error.absoluteTranslation);
-  printRow("absolute rotation rad", error.absoluteRotation);
-  printRow("relative translation m", error.relativeTranslation);
-  printRow("relative rotation rad", error.relativeRotation);
+  printRow(stream, "absolute translation m", error.absoluteTranslation);
+  printRow(stream, "absolute rotation rad", error.absoluteRotation);
+  printRow(stream, "relative translation m", error.relativeTranslation);
+  printRow(stream, "relative rotation rad", error.relativeRotation);
 }
 
 void evaluate(const Flags& flags) {
   if (flags.estimate == "-" && flags.truth == "-") throw UsageError("only one trajectory can come from standard input");
   checkOutputs({flags.svg, flags.json});
-  const std::shared_ptr<const Registry> registry = makeRegistry(flags.plugins);
-  const Trajectory estimate = load(flags.estimate, registry);
-  const Trajectory truth = load(flags.truth, registry);
+  checkInputsSpared({flags.svg, flags.json}, {flags.estimate, flags.truth});
+  const std::shared_ptr<const Registry> registry = makeRegistry(flags.source.plugins);
+  const Trajectory estimate = load(flags.source, flags.estimate, registry);
+  const Trajectory truth = load(flags.source, flags.truth, registry);
   const EvaluationOptions options = optionsOf(flags, estimate, truth);
-  const TrajectoryError error = evaluateTrajectory(estimate, truth, options);
+  const TrajectoryError error =
+      naming(fmt::format("{} against {}", displayName(flags.estimate), displayName(flags.truth)),
+             [&] { return evaluateTrajectory(estimate, truth, options); });
+  if (flags.stampTolerance && error.matching != PoseMatching::stamp)
+    throw UsageError(
+        fmt::format("--max-difference is of time stamps, and these poses are matched by {}", nameOf(error.matching)));
   if (!error.alignment.unique)
     tell(stderr, "the matched positions leave the alignment's rotation open: rotation errors mean nothing\n");
   if (!flags.svg.empty()) saveText(flags.svg, drawTrajectories(error, options.alignment));
   if (!flags.json.empty()) saveJson(flags.json, describe(flags, options, error));
-  if (flags.json != "-" && flags.svg != "-") print(options, error);
+  if (flags.json != "-") print(flags.svg == "-" ? stderr : stdout, options, error);
 }
 
 }  // namespace
@@ -116,28 +153,37 @@ void addEvaluateCommand(CLI::App& parser, int&) {
   CLI::App* command = parser.add_subcommand("evaluate", "Compare a trajectory with the true one, after alignment");
   auto flags = std::make_shared<Flags>();
   command->add_option("EST", flags->estimate, "Estimate: a graph, or a TUM or KITTI trajectory; - is standard input")
-      ->required();
-  command->add_option("TRUTH", flags->truth, "Truth, in any of the same formats")->required();
-  addPluginOption(*command, flags->plugins);
+      ->required()
+      ->type_name("");
+  command->add_option("TRUTH", flags->truth, "Truth, in any of the same formats")->required()->type_name("");
+  addReadingOptions(*command, flags->source);
+  const std::map<std::string, Align> groups{{"auto", Align::automatic},
+                                            {"none", Align::none},
+                                            {"se2", Align::se2},
+                                            {"se3", Align::se3},
+                                            {"sim3", Align::sim3}};
   command->add_option("--align", flags->align, "Motions to align with: auto is se2 for two planar graphs, else se3")
-      ->type_name("GROUP")
-      ->check(CLI::IsMember({"auto", "none", "se2", "se3", "sim3"}))
-      ->capture_default_str();
+      ->type_name("auto|none|se2|se3|sim3")
+      ->transform(wordOf(groups))
+      ->default_str("auto");
   const std::map<std::string, PoseMatching> matchings{{"auto", PoseMatching::automatic},
                                                       {"id", PoseMatching::id},
                                                       {"stamp", PoseMatching::stamp},
                                                       {"order", PoseMatching::order}};
-  command->add_option("--match", flags->matching, "Poses that belong together: auto, id, stamp or order")
-      ->type_name("BY")
+  command
+      ->add_option("--match", flags->matching,
+                   "What tells which poses belong together: auto is id for two graphs, "
+                   "stamp where both have stamps, else order")
+      ->type_name("auto|id|stamp|order")
       ->transform(wordOf(matchings))
       ->default_str("auto");
   command->add_option("--max-difference", flags->stampTolerance, "Largest difference of matched time stamps [s]")
       ->type_name("S")
       ->check(numberFrom(0))
-      ->capture_default_str();
+      ->default_str("0.01");
   CLI::Option* step = command->add_option("--step", flags->step, "Relative errors: poses apart")
                           ->type_name("N")
-                          ->check(CLI::Range(1, 1000000000).description(""))
+                          ->transform(wholeNumber(1, 1000000000))
                           ->default_str("1");
   command->add_option("--step-metres", flags->metres, "Relative errors: metres apart, along the truth")
       ->type_name("M")

@@ -16,6 +16,7 @@
 #include <quiver/apps/support/initial_guess.h>
 #include <quiver/apps/support/log_dialect.h>
 #include <quiver/apps/support/long_work.h>
+#include <quiver/apps/support/named_errors.h>
 #include <quiver/apps/support/output.h>
 #include <quiver/apps/support/standard_streams.h>
 #include <quiver/core/algorithm/gauge.h>
@@ -166,6 +167,7 @@ Json describeDepth(const Graph& graph) {
 
 void info(const Flags& flags) {
   checkOutputs({flags.json});
+  checkInputsSpared({flags.json}, {flags.source.path});
   LongWork longWork(false);
   longWork.reading(flags.source.path);
   LoadedGraph loaded = loadGraph(flags.source);
@@ -194,7 +196,9 @@ void info(const Flags& flags) {
   }
   if (Json depth = describeDepth(graph); !depth.is_null()) json["depth"] = std::move(depth);
   if (flags.plan) longWork.tell("planning the solve");
-  if (flags.plan) json["plan"] = describePlan(graph, flags.source.threads);
+  if (flags.plan) {
+    json["plan"] = naming(displayName(flags.source.path), [&] { return describePlan(graph, flags.source.threads); });
+  }
   if (!flags.json.empty()) saveJson(flags.json, json);
   if (flags.json == "-") return;
   printInfo(json);
@@ -210,7 +214,7 @@ void addInfoCommand(CLI::App& parser, int&) {
   command->add_flag("--plan", flags->plan, "Tell what optimize would decide, and why");
   command->add_option("--worst", flags->worst, "How many of the edges with the largest chi2 to show")
       ->type_name("N")
-      ->check(CLI::Range(0, 1000000).description(""))
+      ->transform(wholeNumber(0, 1000000))
       ->capture_default_str();
   command->add_option("--json", flags->json, "Write all of it as JSON here (- is standard output)")
       ->type_name("FILE")

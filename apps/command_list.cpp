@@ -184,7 +184,7 @@ void addListCommand(CLI::App& parser, int&) {
   command->add_flag("--markdown", flags->markdown, "Write the types as tables in Markdown (docs/types.md)");
   command->footer("Examples:\n  quiver list\n  quiver list --plugin libbeacons.so --json -");
   command->callback([flags] {
-    checkOutputs({flags->json});
+    checkOutputs({flags->json, flags->markdown ? "-" : ""});
     const Json json = describeRegistry(*makeRegistry(flags->plugins));
     if (flags->markdown) tell(stdout, "{}", typesAsMarkdown(json));
     if (flags->json.empty()) {

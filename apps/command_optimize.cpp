@@ -32,6 +32,7 @@ class Run {
 
   int run() {
     checkOutputs({flags_.output, flags_.json});
+    checkInputsSpared({flags_.json}, {flags_.source.path});
     longWork_.reading(flags_.source.path);
     LoadedGraph loaded = loadGraph(flags_.source);
     longWork_.expect(loaded.graph);
@@ -93,7 +94,9 @@ class Run {
   void optimizeGraph(Graph& graph) {
     Overrides overrides(graph);
     overrides.fix(flags_.fix);
-    if (kernel_) overrides.setRobustKernels(*kernel_, *robustEdges_);
+    if (kernel_ && overrides.setRobustKernels(*kernel_, *robustEdges_) == 0 && robustEdges_->loops())
+      say("--robust-edges loops: no edge of the graph closes a loop, so --robust changes nothing");
+    for (const std::string& note : idleEliminations(flags_, graph)) say(note);
     if (flags_.dialect == Dialect::logarithm) {
       Graph logarithmic = withLogarithmicEdges(graph);
       solve(logarithmic);

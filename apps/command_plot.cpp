@@ -4,7 +4,10 @@
 #include <quiver/apps/commands.h>
 #include <quiver/apps/plot/structure.h>
 #include <quiver/apps/plot/svg_plot.h>
+#include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
+#include <quiver/apps/support/named_errors.h>
+#include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/output.h>
 #include <quiver/apps/support/standard_streams.h>
 
@@ -18,17 +21,24 @@ struct Flags {
   bool structure = false;
 };
 
+LoadedGraph load(const GraphSource& source) {
+  LoadedGraph loaded = loadGraph(source);
+  for (const std::string& note : readingNotes(source, loaded.report)) tell(stderr, "{}\n", note);
+  return loaded;
+}
+
 Scene loadScene(GraphSource source, const std::string& path, const char* label) {
   source.path = path;
-  const LoadedGraph loaded = loadGraph(source);
-  for (const std::string& note : readingNotes(source, loaded.report)) tell(stderr, "{}\n", note);
-  return makeScene(loaded.graph, fmt::format("{}{}", label, displayName(path)));
+  const LoadedGraph loaded = load(source);
+  Scene scene = naming(displayName(path), [&loaded] { return makeScene(loaded.graph); });
+  scene.title = fmt::format("{}{}", label, displayName(path));
+  return scene;
 }
 
 void plotStructure(const Flags& flags) {
-  LoadedGraph loaded = loadGraph(flags.source);
-  for (const std::string& note : readingNotes(flags.source, loaded.report)) tell(stderr, "{}\n", note);
-  const StructurePictures pictures = pictureStructure(loaded.graph, Options());
+  LoadedGraph loaded = load(flags.source);
+  const StructurePictures pictures =
+      naming(displayName(flags.source.path), [&loaded] { return pictureStructure(loaded.graph, Options()); });
   saveText(flags.output, drawStructure(pictures));
   std::FILE* const stream = flags.output == "-" ? stderr : stdout;
   for (const MatrixPicture& matrix : pictures.matrices) {
@@ -38,7 +48,9 @@ void plotStructure(const Flags& flags) {
 }
 
 void plot(const Flags& flags) {
+  if (flags.source.path == "-" && flags.before == "-") throw UsageError("only one graph can come from standard input");
   checkOutputs({flags.output});
+  checkInputsSpared({flags.output}, {flags.source.path, flags.before});
   if (flags.structure) return plotStructure(flags);
   std::vector<Scene> scenes;
   if (!flags.before.empty()) scenes.push_back(loadScene(flags.source, flags.before, "before: "));
@@ -50,17 +62,21 @@ void plot(const Flags& flags) {
 
 void addPlotCommand(CLI::App& parser, int&) {
   CLI::App* command =
-      parser.add_subcommand("plot", "Draw a graph's trajectory and loop closures, or its matrices, as SVG");
+      parser.add_subcommand("plot", "Draw a graph's poses, landmarks and loop closures, or its matrices, as SVG");
   auto flags = std::make_shared<Flags>();
   addSourceOptions(*command, flags->source);
   command->add_option("-o,--output", flags->output, "Picture to write (- is standard output)")
       ->required()
-      ->type_name("OUT.svg");
+      ->type_name("OUT.svg")
+      ->check(outputPath());
   command->add_option("--before", flags->before, "Draw this graph beside it: the one before the optimisation")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(inputPath());
   command
-      ->add_flag("--structure", flags->structure,
-                 "Draw where H, the reduced matrix and the factor have entries, with the figures of their fill")
+      ->add_flag(
+          "--structure", flags->structure,
+          "Draw where H, the reduced matrix and the factor have entries, with the figures of their fill; needs no "
+          "estimates")
       ->excludes("--before");
   command->footer(
       "Examples:\n"

@@ -36,6 +36,8 @@ void simulateSphere(const Flags& flags) {
   settings.rotationNoise = deviations(flags.rotationNoise, "--noise-rotation");
   checkOutputs({flags.output, flags.truth});
   const SimulatedGraph graph = app::simulateSphere(settings, makeRegistry({}));
+  checkOutputFormat(flags.output, graph.measured);
+  checkOutputFormat(flags.truth, graph.truth);
   saveGraph(flags.output, graph.measured);
   if (!flags.truth.empty()) saveGraph(flags.truth, graph.truth);
   std::FILE* const stream = flags.output == "-" || flags.truth == "-" ? stderr : stdout;
@@ -44,12 +46,7 @@ void simulateSphere(const Flags& flags) {
 }
 
 void addNoiseOption(CLI::App& command, const char* name, std::vector<double>& values, const char* text) {
-  command.add_option(name, values, text)
-      ->type_name("A[;B;C]")
-      ->delimiter(';')
-      ->allow_extra_args(false)
-      ->check(numberFrom(0, false))
-      ->default_str("0.01");
+  addList(command, name, values, text, numberFrom(0, false), ';')->type_name("A[;B;C]")->default_str("0.01");
 }
 
 }  // namespace
@@ -61,18 +58,22 @@ void addSimulateCommand(CLI::App& parser, int&) {
   auto flags = std::make_shared<Flags>();
   sphere->add_option("-o,--output", flags->output, "Graph to write: noisy odometry as its estimates")
       ->required()
-      ->type_name("OUT");
+      ->type_name("OUT")
+      ->check(outputPath());
   sphere->add_option("--truth", flags->truth, "Write the same graph at the true poses here")
       ->type_name("FILE")
       ->check(outputPath());
-  sphere->add_option("--seed", flags->sphere.seed, "Seed of the noise")->type_name("N")->capture_default_str();
+  sphere->add_option("--seed", flags->sphere.seed, "Seed of the noise")
+      ->type_name("N")
+      ->transform(wholeNumber<std::uint64_t>(0))
+      ->capture_default_str();
   sphere->add_option("--laps", flags->sphere.laps, "Laps from pole to pole")
       ->type_name("N")
-      ->check(CLI::Range(1, 100000).description(""))
+      ->transform(wholeNumber(1, 100000))
       ->capture_default_str();
   sphere->add_option("--nodes-per-lap", flags->sphere.nodesPerLap, "Poses of a lap")
       ->type_name("N")
-      ->check(CLI::Range(3, 100000).description(""))
+      ->transform(wholeNumber(3, 100000))
       ->capture_default_str();
   sphere->add_option("--radius", flags->sphere.radius, "Radius in metres")
       ->type_name("R")

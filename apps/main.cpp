@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/commands.h>
@@ -19,27 +19,40 @@ std::string suggestion(const std::string& word, const std::vector<std::string>& 
   return near.empty() ? "" : fmt::format(", did you mean '{}'?", near);
 }
 
+/// What is wrong where a command (`name` is "quiver") or what it is to do is missing or unknown.
+std::string describeMissingCommand(const std::string& name, const std::string& word,
+                                   const std::vector<std::string>& commands) {
+  const std::string all = fmt::format("there are {}", fmt::join(commands, ", "));
+  if (word.empty()) return fmt::format("{} is to do what? {}", name, all);
+  if (word[0] == '-') return fmt::format("behind {}, what it is to do comes before '{}'; {}", name, word, all);
+  const std::string near = suggestion(word, commands);
+  return fmt::format("{} does not know '{}'{}", name, word, near.empty() ? "; " + all : near);
+}
+
 /// What is wrong with a command line, with the nearest command or flag where one is unknown.
 std::string describeUsageError(const CLI::App& parser, const CLI::ParseError& error,
                                const std::vector<std::string>& arguments) {
-  const std::vector<CLI::App*> chosen = parser.get_subcommands();
-  if (chosen.empty()) {
-    std::vector<std::string> commands;
-    for (const CLI::App* command : parser.get_subcommands({})) commands.push_back(command->get_name());
-    for (const std::string& word : arguments) {
-      if (!word.empty() && word[0] != '-') return fmt::format("no command '{}'{}", word, suggestion(word, commands));
-    }
-    return error.what();
+  const CLI::App* command = &parser;
+  std::size_t depth = 0;
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    ++depth;
+  }
+  std::vector<std::string> commands;
+  for (const CLI::App* further : command->get_subcommands({})) commands.push_back(further->get_name());
+  if (!commands.empty()) {
+    const std::string word = depth < arguments.size() ? arguments[depth] : "";
+    return describeMissingCommand(depth == 0 ? "quiver" : command->get_name(), word, commands);
   }
   std::vector<std::string> flags{"--help"};
-  for (const CLI::Option* option : chosen.front()->get_options()) {
+  for (const CLI::Option* option : command->get_options()) {
     for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
   }
   for (const std::string& argument : arguments) {
     const std::string word = argument.substr(0, argument.find('='));
     if (word.compare(0, 2, "--") != 0 || std::find(flags.begin(), flags.end(), word) != flags.end()) continue;
     const std::string near = suggestion(word, flags);
-    if (!near.empty()) return fmt::format("{} has no flag '{}'{}", chosen.front()->get_name(), word, near);
+    if (!near.empty()) return fmt::format("{} has no flag '{}'{}", command->get_name(), word, near);
   }
   return error.what();
 }

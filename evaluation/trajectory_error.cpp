@@ -50,14 +50,13 @@ Pairs matchByKey(const Trajectory& estimate, const Trajectory& truth, double tol
   return pairs;
 }
 
-Pairs matchPoses(const Trajectory& estimate, const Trajectory& truth, const EvaluationOptions& options) {
-  const PoseMatching matching = chooseMatching(estimate, truth, options.matching);
+/// `matching` is not automatic.
+Pairs matchPoses(const Trajectory& estimate, const Trajectory& truth, PoseMatching matching, double stampTolerance) {
   if (matching == PoseMatching::order) return matchByOrder(estimate, truth);
   const TrajectoryKey key = matching == PoseMatching::id ? TrajectoryKey::id : TrajectoryKey::stamp;
   if (estimate.key != key || truth.key != key)
-    throw GraphError(fmt::format("poses cannot be matched by {}: not both trajectories have them",
-                                 matching == PoseMatching::id ? "id" : "stamp"));
-  const Pairs pairs = matchByKey(estimate, truth, matching == PoseMatching::id ? 0.0 : options.stampTolerance);
+    throw GraphError(fmt::format("poses cannot be matched by {}: not both trajectories have them", nameOf(matching)));
+  const Pairs pairs = matchByKey(estimate, truth, matching == PoseMatching::id ? 0.0 : stampTolerance);
   if (pairs.empty()) throw GraphError("no pose of the estimate has a counterpart in the truth");
   return pairs;
 }
@@ -67,24 +66,39 @@ Pose aligned(const Alignment& alignment, const Pose& pose) {
   return Pose(SO3<double>(q.x(), q.y(), q.z(), q.w()) * pose.rotation(), alignment * pose.translation());
 }
 
-/// For every pose the index of its partner, as long as there is one.
-std::vector<Pair> steps(const std::vector<Pose>& truth, const EvaluationOptions& options) {
-  std::vector<Pair> pairs;
-  if (!options.stepInMetres) {
-    const auto step = static_cast<std::size_t>(options.step);
-    for (std::size_t i = 0; i + step < truth.size(); ++i) pairs.emplace_back(i, i + step);
+Pairs stepsInPoses(std::size_t poses, double step) {
+  Pairs pairs;
+  if (step >= static_cast<double>(poses)) {
+    if (step > 1.0)
+      throw GraphError(fmt::format("a step of {:g} poses goes beyond the end: {} {}", step, poses,
+                                   poses == 1 ? "pose is matched" : "poses are matched"));
     return pairs;
   }
+  const auto distance = static_cast<std::size_t>(step);
+  for (std::size_t i = 0; i + distance < poses; ++i) pairs.emplace_back(i, i + distance);
+  return pairs;
+}
+
+Pairs stepsInMetres(const std::vector<Pose>& truth, double step) {
   std::vector<double> travelled(truth.size(), 0.0);
   for (std::size_t i = 1; i < truth.size(); ++i)
     travelled[i] = travelled[i - 1] + (truth[i].translation() - truth[i - 1].translation()).norm();
+  if (step > travelled.back())
+    throw GraphError(fmt::format("a step of {:g} m goes beyond the end: the matched part of the truth is {:.6g} m long",
+                                 step, travelled.back()));
+  Pairs pairs;
   std::size_t j = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    while (j < truth.size() && travelled[j] - travelled[i] < options.step) ++j;
+    while (j < truth.size() && travelled[j] - travelled[i] < step) ++j;
     if (j == truth.size()) break;
     pairs.emplace_back(i, j);
   }
   return pairs;
+}
+
+/// For every pose the index of its partner, as long as there is one.
+Pairs steps(const std::vector<Pose>& truth, const EvaluationOptions& options) {
+  return options.stepInMetres ? stepsInMetres(truth, options.step) : stepsInPoses(truth.size(), options.step);
 }
 
 void checkOptions(const EvaluationOptions& options) {
@@ -124,13 +138,14 @@ TrajectoryError evaluateTrajectory(const Trajectory& estimate, const Trajectory&
   checkOptions(options);
   if (options.alignment == AlignmentGroup::se2 && !(estimate.planar && truth.planar))
     throw GraphError("an alignment in the plane needs two trajectories in the plane");
-  const Pairs pairs = matchPoses(estimate, truth, options);
+  TrajectoryError result;
+  result.matching = chooseMatching(estimate, truth, options.matching);
+  const Pairs pairs = matchPoses(estimate, truth, result.matching, options.stampTolerance);
   std::vector<Vector<double, 3>> from, to;
   for (const auto& [i, j] : pairs) {
     from.push_back(estimate.poses[i].pose.translation());
     to.push_back(truth.poses[j].pose.translation());
   }
-  TrajectoryError result;
   result.matched = static_cast<std::int64_t>(pairs.size());
   result.alignment = alignPoints(from, to, options.alignment);
   std::vector<double> translations, rotations;
@@ -154,6 +169,11 @@ TrajectoryError evaluateTrajectory(const Trajectory& estimate, const Trajectory&
   result.relativeTranslation = statisticsOf(std::move(translations));
   result.relativeRotation = statisticsOf(std::move(rotations));
   return result;
+}
+
+std::string_view nameOf(PoseMatching matching) {
+  constexpr std::string_view names[] = {"auto", "id", "stamp", "order"};
+  return names[static_cast<int>(matching)];
 }
 
 }  // namespace quiver

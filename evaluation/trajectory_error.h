@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include <quiver/evaluation/alignment.h>
@@ -43,6 +44,8 @@ struct ErrorStatistics {
 
 struct TrajectoryError {
   std::int64_t matched = 0;
+  /// How they were; not automatic.
+  PoseMatching matching = PoseMatching::order;
   Alignment alignment;
   /// ‖t_truth − A t_estimate‖ [m] and the angle of R_truthᵀ R_A R_estimate [rad], one a matched pose.
   ErrorStatistics absoluteTranslation;
@@ -56,10 +59,15 @@ struct TrajectoryError {
 };
 
 /// Absolute and relative trajectory error after alignment. The relative one does not depend on a rigid alignment, only
-/// on its scale. Throws GraphError if nothing matches or the options do not fit the trajectories. O(n log n).
+/// on its scale; of a single matched pose there is none at the step of one pose. Throws GraphError if nothing matches,
+/// if no two matched poses are as far apart as any other step says, or if the options do not fit the trajectories.
+/// O(n log n).
 TrajectoryError evaluateTrajectory(const Trajectory& estimate, const Trajectory& truth,
                                    const EvaluationOptions& options = {});
 
 ErrorStatistics statisticsOf(std::vector<double> errors);
+
+/// "auto", "id", "stamp", "order".
+std::string_view nameOf(PoseMatching matching);
 
 }  // namespace quiver

@@ -59,16 +59,28 @@ TrajectoryPose kittiPose(const Row& row, double order, const SourceText& source)
   return {order, SE3<double>(v[3], v[7], v[11], q.x(), q.y(), q.z(), q.w())};
 }
 
+/// The text behind a byte order mark.
+std::string_view withoutMark(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
+}
+
 bool isComment(TextScanner& scanner) { return scanner.atLineEnd() || *scanner.cursor() == '#'; }
 
 }  // namespace
 
 bool isTrajectoryText(std::string_view text) {
-  TextScanner scanner(text);
+  TextScanner scanner(withoutMark(text));
   while (!scanner.atEnd()) {
     if (!isComment(scanner)) {
+      int numbers = 0;
+      bool whole = true;
       double value = 0.0;
-      return scanner.real(value) == NumberStatus::ok;
+      while (!scanner.atLineEnd() && scanner.real(value) == NumberStatus::ok) {
+        ++numbers;
+        whole = whole && value == std::floor(value);
+      }
+      return numbers > 0 && !(numbers == 3 && whole && scanner.atLineEnd());
     }
     scanner.nextLine();
   }
@@ -77,7 +89,7 @@ bool isTrajectoryText(std::string_view text) {
 
 Trajectory readTrajectoryText(std::string_view text, const std::string& name) {
   const SourceText source{text, name};
-  TextScanner scanner(text);
+  TextScanner scanner(withoutMark(text));
   Trajectory trajectory;
   int width = 0;
   while (!scanner.atEnd()) {

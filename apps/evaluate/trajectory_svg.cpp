@@ -52,7 +52,7 @@ class View {
 
 std::string path(const View& view, const Poses& poses, const char* colour) {
   std::string d;
-  for (const SE3<double>& pose : poses) d += (d.empty() ? "M" : "L") + view.place(pose);
+  for (const SE3<double>& pose : poses) d += fmt::format("{}{}", d.empty() ? "M" : "L", view.place(pose));
   return fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\"/>\n", d, colour);
 }
 
@@ -62,7 +62,7 @@ std::string drawTrajectories(const TrajectoryError& error, AlignmentGroup group)
   const View view(error);
   std::string offsets;
   for (std::size_t i = 0; i < error.truth.size(); ++i)
-    offsets += "M" + view.place(error.truth[i]) + "L" + view.place(error.estimate[i]);
+    offsets += fmt::format("M{}L{}", view.place(error.truth[i]), view.place(error.estimate[i]));
   return fmt::format(
              "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {0:.0f}\" font-family=\"sans-serif\" "
              "font-size=\"14\">\n<rect width=\"{0:.0f}\" height=\"{0:.0f}\" fill=\"white\"/>\n",

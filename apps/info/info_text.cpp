@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <quiver/apps/support/counted.h>
 #include <quiver/apps/support/standard_streams.h>
 
 namespace quiver::app {
@@ -50,7 +51,7 @@ void printLine(const char* name, const std::string& text) { tell(stdout, "{:<12}
 
 std::string nameOf(const Json& edge) {
   std::string text = edge["type"].get<std::string>();
-  for (const Json& id : edge["vertices"]) text += " " + id.dump();
+  for (const Json& id : edge["vertices"]) text += fmt::format(" {}", id.dump());
   return text;
 }
 
@@ -59,9 +60,9 @@ void printBridges(const Json& json) {
   const Json& bridges = json["bridges"];
   if (bridges.empty()) return;
   const Json& first = bridges[0];
-  printLine("bridges",
-            fmt::format("{} edges without which a component falls apart; {} cuts off {} {}", bridges.size(),
-                        nameOf(first), first["cut_off"].dump(), first["cut_off"] == 1 ? "vertex" : "vertices"));
+  printLine("bridges", fmt::format("{} without which a component falls apart; {} cuts off {}",
+                                   counted(static_cast<std::int64_t>(bridges.size()), "edge"), nameOf(first),
+                                   counted(first["cut_off"].get<std::int64_t>(), "vertex", "vertices")));
 }
 
 void printStructure(const Json& json) {
@@ -72,8 +73,8 @@ void printStructure(const Json& json) {
   printLine("edges", countsOf(input["edges"]));
   if (!json["parameters"].empty()) printLine("parameters", countsOf(json["parameters"]));
   printLine("fixed", fmt::format("{}, in part {}", json["fixed"].get<int>(), json["partly_fixed"].get<int>()));
-  printLine("components", fmt::format("{}, the largest of {} vertices", json["components"].get<std::int64_t>(),
-                                      json["largest_component"].get<std::int64_t>()));
+  printLine("components", fmt::format("{}, the largest of {}", json["components"].get<std::int64_t>(),
+                                      counted(json["largest_component"].get<std::int64_t>(), "vertex", "vertices")));
   printLine("degrees", degreesOf(json["degrees"]));
   printBridges(json);
   if (!json["kernels"].empty()) printLine("kernels", countsOf(json["kernels"]));

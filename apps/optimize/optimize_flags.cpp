@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include <quiver/apps/optimize/named_types.h>
 #include <quiver/apps/optimize/solver_names.h>
 #include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/initial_guess.h>
@@ -90,18 +91,16 @@ void addAlgorithmFlags(CLI::App& command, OptimizeFlags& flags) {
       .add_option("--linear-tolerance", flags.linearTolerance,
                   "Where an iterative linear solver ends: the residual as a part of the right-hand side")
       ->type_name("R")
-      ->check(CLI::Range(1e-16, 0.999).description(""))
+      ->check(numberBetween(1e-16, 0.999))
       ->capture_default_str();
   command.add_option("--iterations", flags.iterations, "Trial steps at most")
       ->type_name("N")
-      ->check(CLI::Range(0, std::numeric_limits<int>::max()).description(""))
+      ->transform(wholeNumber(0))
       ->capture_default_str();
-  command
-      .add_option("--eliminate", flags.eliminate,
-                  "Vertices to eliminate before the rest is solved for: what pays, off for none, or those of types")
+  addList(command, "--eliminate", flags.eliminate,
+          "Vertices to eliminate before the rest is solved for: what pays, off for none, or those of types",
+          filled("the list"))
       ->type_name("auto|off|TAG[,TAG...]")
-      ->delimiter(',')
-      ->allow_extra_args(false)
       ->default_str("auto");
   command
       .add_option("--memory-limit", flags.memoryLimit,
@@ -118,16 +117,9 @@ void addStartFlags(CLI::App& command, OptimizeFlags& flags) {
                   "Initial guess: the file's estimates, a tree, odometry, chordal relaxation, or the best")
       ->type_name("auto|file|tree|odometry|chordal")
       ->capture_default_str();
-  command.add_option("--fix", flags.fix, "Vertices to hold fixed, beside the file's FIX lines")
-      ->type_name("ID[,ID...]")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(vertexId());
-  command.add_option("--only", flags.only, "Vertices to move; all others are held")
-      ->type_name("ID[,ID...]")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(vertexId());
+  addList(command, "--fix", flags.fix, "Vertices to hold fixed, beside the file's FIX lines", vertexId())
+      ->type_name("ID[,ID...]");
+  addList(command, "--only", flags.only, "Vertices to move; all others are held", vertexId())->type_name("ID[,ID...]");
   static const std::map<std::string, GaugePolicy> policies{
       {"auto", GaugePolicy::automatic}, {"fix", GaugePolicy::fix}, {"free", GaugePolicy::free}};
   command
@@ -145,14 +137,13 @@ void addRobustFlags(CLI::App& command, OptimizeFlags& flags) {
           "--robust", flags.robust,
           "Robust kernel, as huber:1.5; huber:p0.95 takes the width that 95 % of good measurements stay within; "
           "none removes those of the file (see quiver list)")
-      ->type_name("NAME[:WIDTH[:SHAPE]]");
-  command
-      .add_option("--robust-edges", flags.robustEdges,
-                  "Edges that --robust is for: all, loop closures (two vertices of one type, ids not consecutive), or "
-                  "those of types")
+      ->type_name("NAME[:WIDTH[:SHAPE]]")
+      ->check(filled("the name of the kernel"));
+  addList(command, "--robust-edges", flags.robustEdges,
+          "Edges that --robust is for: all, loop closures (two vertices of one type, ids not consecutive), or those of "
+          "types",
+          filled("the list"))
       ->type_name("all|loops|TAG[,TAG...]")
-      ->delimiter(',')
-      ->allow_extra_args(false)
       ->default_str("all");
   static const std::map<std::string, RobustCorrection> corrections{{"first", RobustCorrection::first},
                                                                    {"second", RobustCorrection::second}};
@@ -191,6 +182,16 @@ void settleNames(OptimizeFlags& flags, const Registry& registry) {
   checkSolver(flags.solver, registry);
   checkInitialGuess(flags.init, registry);
   checkEliminatedTypes(flags.eliminate, registry);
+}
+
+std::vector<std::string> idleEliminations(const OptimizeFlags& flags, const Graph& graph) {
+  std::vector<std::string> notes;
+  for (const std::string& word : flags.eliminate) {
+    const VertexType* type = graph.registry()->findVertexType(word);
+    const std::string missing = type ? missingType(graph, *type) : "";
+    if (!missing.empty()) notes.push_back(fmt::format("--eliminate {}: {}", word, missing));
+  }
+  return notes;
 }
 
 Options makeOptions(const OptimizeFlags& flags) {

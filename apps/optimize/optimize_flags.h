@@ -42,6 +42,9 @@ void addOptimizeFlags(CLI::App& command, OptimizeFlags& flags);
 /// Resolves g2o's solver names, and checks every name against the registry. Throws UsageError with what there is.
 void settleNames(OptimizeFlags& flags, const Registry& registry);
 
+/// Sentences about types that --eliminate names and the graph has no vertices of.
+std::vector<std::string> idleEliminations(const OptimizeFlags& flags, const Graph& graph);
+
 /// The options of a run, its callbacks and its deadline left to the caller.
 Options makeOptions(const OptimizeFlags& flags);
 

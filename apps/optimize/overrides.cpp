@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <quiver/apps/optimize/named_types.h>
 #include <quiver/core/util/error.h>
 
 namespace quiver::app {
+
 void Overrides::fix(const std::vector<std::int64_t>& ids) {
   for (const std::int64_t id : ids) {
     Vertex* vertex = graph_.findVertex(id);
@@ -14,11 +16,19 @@ void Overrides::fix(const std::vector<std::int64_t>& ids) {
   }
 }
 
-void Overrides::setRobustKernels(const RobustChoice& kernel, const EdgeChoice& edges) {
+std::int64_t Overrides::setRobustKernels(const RobustChoice& kernel, const EdgeChoice& edges) {
+  for (const EdgeType* type : edges.types()) {
+    const std::string missing = missingType(graph_, *type);
+    if (!missing.empty()) throw GraphError(fmt::format("--robust-edges {}: {}", type->tag(), missing));
+  }
+  std::int64_t chosen = 0;
   graph_.forEachEdge([&](Edge& edge) {
     kernels_.push_back(edge.robustKernel());
-    if (edges.contains(graph_, edge)) edge.setRobustKernel(kernel.kernelFor(graph_.typeOf(edge).errorDimension(edge)));
+    if (!edges.contains(graph_, edge)) return;
+    ++chosen;
+    edge.setRobustKernel(kernel.kernelFor(graph_.typeOf(edge).errorDimension(edge)));
   });
+  return chosen;
 }
 
 void Overrides::takeBack() {

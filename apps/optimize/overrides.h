@@ -17,8 +17,9 @@ class Overrides {
 
   /// Fixes the vertices of those ids. Throws GraphError if one does not exist.
   void fix(const std::vector<std::int64_t>& ids);
-  /// Gives the chosen edges the chosen kernel; no kernel removes what the file says.
-  void setRobustKernels(const RobustChoice& kernel, const EdgeChoice& edges);
+  /// Gives the chosen edges the chosen kernel; no kernel removes what the file says. Returns how many edges that are.
+  /// Throws GraphError if a type that is named has none.
+  std::int64_t setRobustKernels(const RobustChoice& kernel, const EdgeChoice& edges);
   void takeBack();
 
  private:

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <quiver/apps/support/counted.h>
 #include <quiver/apps/support/standard_streams.h>
 
 namespace quiver::app {
@@ -50,8 +51,9 @@ std::string closingText(const Summary& summary) {
   }
   text += fmt::format("{}: {}\n", toString(summary.status), summary.reason);
   if (!std::isfinite(summary.initialChi2)) return text;
-  text += fmt::format("chi2 {:.10g} -> {:.10g} with {} free vertices and {} edges in {:.3f} s\n", summary.initialChi2,
-                      summary.finalChi2, summary.variables, summary.edges, summary.seconds.total);
+  text += fmt::format("chi2 {:.10g} -> {:.10g} with {} and {} in {:.3f} s\n", summary.initialChi2, summary.finalChi2,
+                      counted(summary.variables, "free vertex", "free vertices"), counted(summary.edges, "edge"),
+                      summary.seconds.total);
   return text;
 }
 

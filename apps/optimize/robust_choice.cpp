@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/core/registry/registry.h>
 
@@ -14,18 +15,6 @@ namespace quiver::app {
 namespace {
 
 constexpr std::string_view form = "it is NAME[:WIDTH[:SHAPE]], WIDTH a number or p and a probability, as huber:p0.95";
-
-std::vector<std::string> splitAtColons(const std::string& text) {
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == ':') {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  return parts;
-}
 
 double parseReal(std::string_view text, const std::string& whole) {
   double value = 0.0;
@@ -48,7 +37,7 @@ const RobustKernelType& findKernel(const std::string& name, const std::string& w
 }  // namespace
 
 RobustChoice::RobustChoice(const std::string& text, const Registry& registry) {
-  const std::vector<std::string> parts = splitAtColons(text);
+  const std::vector<std::string> parts = splitList(text, ':');
   if (parts.size() > 3) throw UsageError(fmt::format("--robust {}: {}", text, form));
   if (parts[0] == "none" && parts.size() == 1) return;
   type_ = &findKernel(parts[0], text, registry);
@@ -71,13 +60,16 @@ RobustKernel RobustChoice::kernelFor(int dimension) const {
   return RobustKernel(*type_, probability_ ? type_->widthOf(*probability_, dimension) : width_, shape_);
 }
 
-EdgeChoice::EdgeChoice(std::vector<std::string> words, const Registry& registry) : words_(std::move(words)) {
+EdgeChoice::EdgeChoice(const std::vector<std::string>& words, const Registry& registry) : words_(words) {
   for (const std::string& word : words_) {
     if (word == "all" || word == "loops") {
       if (words_.size() > 1) throw UsageError(fmt::format("--robust-edges: '{}' stands alone", word));
       continue;
     }
-    if (registry.findEdgeType(word)) continue;
+    if (const EdgeType* type = registry.findEdgeType(word)) {
+      types_.push_back(type);
+      continue;
+    }
     std::vector<std::string> tags{"all", "loops"};
     for (const auto& type : registry.edgeTypes()) tags.push_back(type->tag());
     const std::string near = nearestWord(word, tags);
@@ -88,14 +80,13 @@ EdgeChoice::EdgeChoice(std::vector<std::string> words, const Registry& registry)
 
 bool EdgeChoice::contains(const Graph& graph, const Edge& edge) const {
   if (words_.front() == "all") return true;
-  if (words_.front() == "loops") {
+  if (loops()) {
     if (edge.arity() < 2) return false;
     const Vertex* from = graph.findVertex(edge.vertexId(0));
     const Vertex* to = graph.findVertex(edge.vertexId(1));
     return from && to && from->type() == to->type() && std::abs(edge.vertexId(0) - edge.vertexId(1)) != 1;
   }
-  const std::string& tag = graph.typeOf(edge).tag();
-  return std::find(words_.begin(), words_.end(), tag) != words_.end();
+  return std::find(types_.begin(), types_.end(), &graph.typeOf(edge)) != types_.end();
 }
 
 }  // namespace quiver::app

@@ -27,16 +27,21 @@ class RobustChoice {
 };
 
 /// Edges as the command line names them: "all", "loops" (edges between two vertices of one type whose ids are not
-/// consecutive), or tags of edge types.
+/// consecutive), or tags of edge types, aliases among them.
 class EdgeChoice {
  public:
   /// Throws UsageError unless `words` is one of the two words alone or tags of the registry.
-  EdgeChoice(std::vector<std::string> words, const Registry& registry);
+  EdgeChoice(const std::vector<std::string>& words, const Registry& registry);
 
   bool contains(const Graph& graph, const Edge& edge) const;
+  /// Whether edges are chosen for closing loops.
+  bool loops() const { return words_.front() == "loops"; }
+  /// The types that are named; none if edges are not chosen by their types.
+  const std::vector<const EdgeType*>& types() const { return types_; }
 
  private:
   std::vector<std::string> words_;
+  std::vector<const EdgeType*> types_;
 };
 
 }  // namespace quiver::app

@@ -1,19 +1,23 @@
 #include <quiver/apps/plot/scene.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <unordered_map>
+#include <unordered_set>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include <quiver/apps/info/graph_survey.h>
+#include <quiver/apps/plot/anchored_points.h>
+#include <quiver/apps/support/counted.h>
+#include <quiver/apps/support/known_poses.h>
 #include <quiver/core/util/error.h>
-#include <quiver/types_slam2d/vertex_se2.h>
 #include <quiver/types_slam2d/vertex_xy.h>
-#include <quiver/types_slam3d/vertex_se3.h>
 #include <quiver/types_slam3d/vertex_xyz.h>
 
 namespace quiver::app {
@@ -31,87 +35,127 @@ PlanePoint isometric(double x, double y, double z) {
   return {c * (x + y), s * (y - x) + z};
 }
 
-/// Where vertices are; types that have no place in the plane or in space are left out.
+/// Where vertices are: poses and points. Other types have no place.
 class Placer {
  public:
   explicit Placer(const Registry& registry)
-      : se2_(registry.findVertexTypeByName(typeName<VertexSE2>())),
+      : poses_(knownPoses(registry)),
         xy_(registry.findVertexTypeByName(typeName<VertexXY>())),
-        se3_(registry.findVertexTypeByName(typeName<VertexSE3>())),
         xyz_(registry.findVertexTypeByName(typeName<VertexXYZ>())) {}
 
-  bool spatial(const VertexType& type) const { return &type == se3_ || &type == xyz_; }
-  std::optional<Place> place(const VertexType& type, const Vertex& vertex) const {
-    if (!vertex.hasEstimate()) return std::nullopt;
-    const double* x = type.values(vertex);
-    if (&type == se2_ || &type == xy_) return Place{{x[0], x[1]}, &type == se2_};
-    if (&type == se3_) {
-      const Vector<double, 3> t = estimateOf<VertexSE3>(vertex).translation();
-      return Place{isometric(t[0], t[1], t[2]), true};
+  bool places(const VertexType& type) const {
+    return poses_.kind(type) != PoseKind::none || &type == xy_ || &type == xyz_;
+  }
+  bool spatial(const VertexType& type) const { return poses_.kind(type) == PoseKind::space || &type == xyz_; }
+  /// Of a vertex with an estimate, of a type that has a place of its own.
+  Place place(const VertexType& type, const Vertex& vertex) const {
+    if (const PoseKind kind = poses_.kind(type); kind != PoseKind::none) {
+      const Vector<double, 3> t = poses_.pose(type, vertex).translation();
+      return {kind == PoseKind::plane ? PlanePoint{t[0], t[1]} : isometric(t[0], t[1], t[2]), true};
     }
-    if (&type == xyz_) return Place{isometric(x[0], x[1], x[2]), false};
-    return std::nullopt;
+    const double* x = type.values(vertex);
+    return {&type == xy_ ? PlanePoint{x[0], x[1]} : isometric(x[0], x[1], x[2]), false};
   }
 
  private:
-  const VertexType* se2_;
+  PoseTypes poses_;
   const VertexType* xy_;
-  const VertexType* se3_;
   const VertexType* xyz_;
 };
 
 using Places = std::unordered_map<std::int64_t, Place>;
 
-void addSegment(const Edge& edge, double misfit, const Places& places, Scene& scene) {
-  if (edge.arity() != 2) return;
-  const auto first = places.find(edge.vertexId(0));
-  const auto second = places.find(edge.vertexId(1));
-  if (first == places.end() || second == places.end()) return;
-  const Segment segment{first->second.point, second->second.point, misfit};
-  if (first->second.pose != second->second.pose) {
-    scene.sightings.push_back(segment);
-  } else if (first->second.pose) {
-    const bool consecutive = std::abs(edge.vertexId(0) - edge.vertexId(1)) == 1;
-    (consecutive ? scene.odometry : scene.closures).push_back(segment);
+/// Adds the segments of edges to a scene.
+class SegmentCollector {
+ public:
+  SegmentCollector(const Places& places, Scene& scene) : places_(places), scene_(scene) {}
+
+  void add(const Edge& edge, double misfit) {
+    poses_.clear();
+    landmarks_.clear();
+    for (const std::int64_t id : edge.vertexIds()) {
+      const auto found = places_.find(id);
+      if (found != places_.end()) (found->second.pose ? poses_ : landmarks_).push_back(id);
+    }
+    if (!landmarks_.empty()) {
+      // Further poses are those of a sensor on the first one, or of a landmark's anchor.
+      if (poses_.empty()) return;
+      for (const std::int64_t id : landmarks_) scene_.sightings.push_back({point(poses_[0]), point(id), misfit});
+    } else if (poses_.size() == 2 && edge.arity() == 2) {
+      const bool consecutive = std::abs(poses_[0] - poses_[1]) == 1;
+      (consecutive ? scene_.odometry : scene_.closures).push_back({point(poses_[0]), point(poses_[1]), misfit});
+      joined_.insert(poses_.begin(), poses_.end());
+    }
   }
-}
+  void finish() {
+    std::vector<std::int64_t> lone;
+    for (const auto& [id, place] : places_) {
+      if (place.pose && !joined_.contains(id)) lone.push_back(id);
+    }
+    std::sort(lone.begin(), lone.end());
+    for (const std::int64_t id : lone) scene_.lonePoses.push_back(point(id));
+  }
+
+ private:
+  const PlanePoint& point(std::int64_t id) const { return places_.at(id).point; }
+
+  const Places& places_;
+  Scene& scene_;
+  std::unordered_set<std::int64_t> joined_;
+  std::vector<std::int64_t> poses_;
+  std::vector<std::int64_t> landmarks_;
+};
 
 void addEdges(const Graph& graph, const Places& places, Scene& scene) {
-  bool complete = true;
-  graph.forEachVertex([&complete](const Vertex& vertex) { complete = complete && vertex.hasEstimate(); });
-  if (!complete) {
+  SegmentCollector collector(places, scene);
+  if (scene.withoutEstimate > 0) {
     scene.chi2 = std::numeric_limits<double>::quiet_NaN();
-    graph.forEachEdge([&](const Edge& edge) { addSegment(edge, 0.0, places, scene); });
-    return;
+    graph.forEachEdge([&](const Edge& edge) { collector.add(edge, 0.0); });
+    return collector.finish();
   }
   Graph copy(graph);
   for (const EdgeChi2& edge : evaluateEdges(copy)) {
     scene.chi2 += edge.chi2;
     const int dimension = copy.typeOf(*edge.edge).errorDimension(*edge.edge);
-    addSegment(*edge.edge, edge.chi2 / std::max(dimension, 1), places, scene);
+    collector.add(*edge.edge, edge.chi2 / std::max(dimension, 1));
   }
+  collector.finish();
 }
 
 }  // namespace
 
-Scene makeScene(const Graph& graph, const std::string& title) {
+Scene makeScene(const Graph& graph) {
   Scene scene;
-  scene.title = title;
   const Placer placer(*graph.registry());
+  const auto anchored = anchoredPoints(graph);
+  const auto placeOf = [&](const VertexType& type, const Vertex& vertex) -> std::optional<Place> {
+    if (const auto found = anchored.find(vertex.id()); found != anchored.end()) {
+      const std::optional<Vector<double, 3>>& p = found->second;
+      return p ? std::optional(Place{isometric((*p)[0], (*p)[1], (*p)[2]), false}) : std::nullopt;
+    }
+    return placer.places(type) ? std::optional(placer.place(type, vertex)) : std::nullopt;
+  };
   Places places;
   graph.forEachVertex([&](const Vertex& vertex) {
     const VertexType& type = graph.typeOf(vertex);
-    const std::optional<Place> place = placer.place(type, vertex);
+    if (!vertex.hasEstimate()) {
+      ++scene.withoutEstimate;
+      return;
+    }
+    const std::optional<Place> place = placeOf(type, vertex);
     if (!place || !std::isfinite(place->point.x) || !std::isfinite(place->point.y)) {
-      ++scene.left;
+      ++scene.withoutPlace;
       return;
     }
     places.emplace(vertex.id(), *place);
     (place->pose ? scene.poses : scene.landmarks).push_back(place->point);
     scene.spatial = scene.spatial || placer.spatial(type);
   });
-  if (places.empty())
-    throw GraphError(fmt::format("{}: nothing to draw: no vertex has a place and an estimate", title));
+  if (places.empty()) {
+    throw GraphError(
+        fmt::format("nothing to draw: of {}, {} without estimate, and {} of types that are neither poses nor points",
+                    counted(graph.vertexCount(), "vertex", "vertices"), scene.withoutEstimate, scene.withoutPlace));
+  }
   addEdges(graph, places, scene);
   return scene;
 }

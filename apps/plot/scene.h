@@ -23,22 +23,26 @@ struct Segment {
 /// What of a graph can be drawn, projected to a plane: the plane's own axes for planar graphs, an isometric view for
 /// spatial ones.
 struct Scene {
+  /// What stands above the picture; the caller's.
   std::string title;
   bool spatial = false;
   std::vector<PlanePoint> poses;
+  /// Those of them that no measurement joins to another pose, as cameras that share but what they see.
+  std::vector<PlanePoint> lonePoses;
   std::vector<PlanePoint> landmarks;
   /// Measurements between poses of consecutive ids.
   std::vector<Segment> odometry;
   /// All other measurements between poses.
   std::vector<Segment> closures;
-  /// Measurements between a pose and a landmark.
+  /// Measurements of landmarks: a segment from the pose to each.
   std::vector<Segment> sightings;
   double chi2 = 0.0;
-  /// Vertices without an estimate, or of types that have no place.
-  std::int64_t left = 0;
+  /// Vertices without an estimate; those of types that have no place, or points whose depth is not positive.
+  std::int64_t withoutEstimate = 0;
+  std::int64_t withoutPlace = 0;
 };
 
-/// Throws GraphError if nothing can be drawn.
-Scene makeScene(const Graph& graph, const std::string& title);
+/// Throws GraphError if no vertex has a place and an estimate.
+Scene makeScene(const Graph& graph);
 
 }  // namespace quiver::app

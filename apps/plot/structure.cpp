@@ -18,7 +18,9 @@ namespace {
 /// Collects blocks of scalars into cells.
 class CellCounter {
  public:
-  CellCounter(const std::string& title, const std::vector<std::int64_t>& begins) : begins_(begins) {
+  /// `triangle`: of diagonal blocks the lower triangles alone are stored.
+  CellCounter(const std::string& title, const std::vector<std::int64_t>& begins, bool triangle = false)
+      : begins_(begins), triangle_(triangle) {
     picture_.title = title;
     picture_.blocks = static_cast<std::int64_t>(begins.size()) - 1;
     picture_.scalars = begins.back();
@@ -29,7 +31,7 @@ class CellCounter {
   void add(int row, int column) {
     const std::int64_t r0 = begin(row), r1 = begin(row + 1), c0 = begin(column), c1 = begin(column + 1);
     ++picture_.storedBlocks;
-    picture_.storedScalars += (r1 - r0) * (c1 - c0);
+    picture_.storedScalars += triangle_ && row == column ? (r1 - r0) * (r1 - r0 + 1) / 2 : (r1 - r0) * (c1 - c0);
     for (int i = cellOf(r0); i <= cellOf(r1 - 1); ++i) {
       const double height = overlap(i, r0, r1);
       for (int j = cellOf(c0); j <= cellOf(c1 - 1); ++j) {
@@ -39,9 +41,9 @@ class CellCounter {
     }
   }
 
-  MatrixPicture finish(bool triangle) {
+  MatrixPicture finish() {
     const double side = static_cast<double>(picture_.scalars);
-    picture_.fill = static_cast<double>(picture_.storedScalars) / (triangle ? 0.5 * side * (side + 1.0) : side * side);
+    picture_.fill = static_cast<double>(picture_.storedScalars) / (triangle_ ? 0.5 * side * (side + 1.0) : side * side);
     const double cell = side / picture_.cells;
     for (const double scalars : stored_) picture_.shares.push_back(static_cast<float>(scalars / (cell * cell)));
     return std::move(picture_);
@@ -58,6 +60,7 @@ class CellCounter {
   }
 
   std::vector<std::int64_t> begins_;
+  bool triangle_ = false;
   MatrixPicture picture_;
   std::vector<double> stored_;
 };
@@ -82,7 +85,7 @@ MatrixPicture pictureSymmetric(const std::string& title, const BlockPattern& pat
       counter.add(place(column), place(pattern.row(entry)));
     }
   }
-  return counter.finish(false);
+  return counter.finish();
 }
 
 /// What is factorised, before and after its ordering, and its factor.
@@ -92,12 +95,12 @@ void pictureFactorization(const std::string& title, const BlockPattern& pattern,
   pictures.push_back(pictureSymmetric(fmt::format("the same, ordered ({})", ordering.name), pattern, ordering.order));
   const BlockGraph graph(pattern);
   const FactorPattern factor(graph, ordering.order, EliminationTree(graph, ordering.order));
-  CellCounter counter("its Cholesky factor", beginsOf(pattern.layout(), ordering.order));
+  CellCounter counter("its Cholesky factor", beginsOf(pattern.layout(), ordering.order), true);
   for (int column = 0; column < pattern.blocks(); ++column) {
     counter.add(column, column);
     for (const int row : factor.column(column)) counter.add(row, column);
   }
-  pictures.push_back(counter.finish(true));
+  pictures.push_back(counter.finish());
 }
 
 /// H with its variables renumbered: position[variable].
@@ -123,6 +126,9 @@ BlockPattern hessianPattern(const Problem& problem, const std::vector<int>& posi
 }  // namespace
 
 StructurePictures pictureStructure(Graph& graph, const Options& options) {
+  graph.forEachVertex([&graph](Vertex& vertex) {
+    if (!vertex.hasEstimate()) graph.typeOf(vertex).setToOrigin(vertex);
+  });
   const Problem problem(graph, {.level = options.level, .free = options.free, .threads = 1});
   if (problem.variables() == 0) throw GraphError("no vertex is free, so there is no matrix to draw");
   const EliminationChoice choice = chooseElimination(problem, options);

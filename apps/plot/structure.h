@@ -17,7 +17,8 @@ struct MatrixPicture {
   /// Blocks and scalars a side.
   std::int64_t blocks = 0;
   std::int64_t scalars = 0;
-  /// Blocks and scalars that are stored, in both triangles; of a factor, in its one.
+  /// Blocks and scalars that are stored, in both triangles; of a factor, in its lower one, with the lower triangles of
+  /// its diagonal blocks.
   std::int64_t storedBlocks = 0;
   std::int64_t storedScalars = 0;
   /// Share of the matrix (of a factor: of its triangle) that is stored, from 0 to 1.
@@ -36,7 +37,8 @@ struct StructurePictures {
   std::string elimination;
 };
 
-/// Throws GraphError if nothing is to be optimised, or a vertex has no estimate.
+/// No number of the graph matters; vertices without an estimate are put at the origin. Throws GraphError if nothing is
+/// to be optimised.
 StructurePictures pictureStructure(Graph& graph, const Options& options);
 
 /// A self-contained SVG document: the matrices side by side with their figures.

@@ -6,7 +6,9 @@
 #include <iterator>
 #include <limits>
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <quiver/apps/support/counted.h>
 
 namespace quiver::app {
 namespace {
@@ -79,30 +81,67 @@ std::string escape(const std::string& text) {
   return result;
 }
 
+/// The rectangle that a scene is drawn from.
+struct Extent {
+  double minX = std::numeric_limits<double>::infinity();
+  double maxX = -minX;
+  double minY = minX;
+  double maxY = -minX;
+
+  void include(const PlanePoint& p) {
+    minX = std::min(minX, p.x), maxX = std::max(maxX, p.x);
+    minY = std::min(minY, p.y), maxY = std::max(maxY, p.y);
+  }
+  double side() const { return std::max(maxX - minX, maxY - minY); }
+};
+
+/// Of all poses and landmarks; of poses and the central landmarks where a few of the others, as points that cameras saw
+/// under hardly any parallax, would make the picture several times as large.
+Extent extentOf(const Scene& scene) {
+  constexpr double tail = 0.02, fewTimes = 3.0;
+  Extent poses;
+  for (const PlanePoint& p : scene.poses) poses.include(p);
+  Extent all = poses;
+  for (const PlanePoint& p : scene.landmarks) all.include(p);
+  const auto left = static_cast<std::ptrdiff_t>(tail * static_cast<double>(scene.landmarks.size()));
+  if (left == 0) return all;
+  Extent central = poses;
+  std::vector<double> xs, ys;
+  for (const PlanePoint& p : scene.landmarks) {
+    xs.push_back(p.x);
+    ys.push_back(p.y);
+  }
+  std::sort(xs.begin(), xs.end());
+  std::sort(ys.begin(), ys.end());
+  const auto last = static_cast<std::ptrdiff_t>(xs.size()) - 1 - left;
+  central.include({xs[static_cast<std::size_t>(left)], ys[static_cast<std::size_t>(left)]});
+  central.include({xs[static_cast<std::size_t>(last)], ys[static_cast<std::size_t>(last)]});
+  return all.side() > fewTimes * central.side() ? central : all;
+}
+
 /// Maps a scene into its panel, y downwards.
 class View {
  public:
-  View(const Scene& scene, double left) {
-    double minX = std::numeric_limits<double>::infinity(), maxX = -minX, minY = minX, maxY = -minX;
-    for (const auto* points : {&scene.poses, &scene.landmarks}) {
-      for (const PlanePoint& p : *points) {
-        minX = std::min(minX, p.x), maxX = std::max(maxX, p.x);
-        minY = std::min(minY, p.y), maxY = std::max(maxY, p.y);
-      }
-    }
-    const double extent = std::max({maxX - minX, maxY - minY, 1e-9});
-    scale_ = (panelSize - 2.0 * margin) / extent;
-    x_ = left + panelSize / 2.0 - scale_ * (minX + maxX) / 2.0;
-    y_ = headHeight + panelSize / 2.0 + scale_ * (minY + maxY) / 2.0;
+  View(const Scene& scene, double left) : left_(left) {
+    constexpr double point = 1e-9;
+    const Extent extent = extentOf(scene);
+    scale_ = (panelSize - 2.0 * margin) / (extent.side() > point ? extent.side() : 1.0);
+    x_ = left + panelSize / 2.0 - scale_ * (extent.minX + extent.maxX) / 2.0;
+    y_ = headHeight + panelSize / 2.0 + scale_ * (extent.minY + extent.maxY) / 2.0;
   }
   std::string text(const PlanePoint& p) const {
     return fmt::format("{:.1f} {:.1f}", x_ + scale_ * p.x, y_ - scale_ * p.y);
   }
-  double x(const PlanePoint& p) const { return x_ + scale_ * p.x; }
-  double y(const PlanePoint& p) const { return y_ - scale_ * p.y; }
+  /// Whether the panel shows the point.
+  bool shows(const PlanePoint& p) const {
+    const double x = x_ + scale_ * p.x - left_;
+    const double y = y_ - scale_ * p.y - headHeight;
+    return x >= 0.0 && x <= panelSize && y >= 0.0 && y <= panelSize;
+  }
   double pixelsPerMetre() const { return scale_; }
 
  private:
+  double left_ = 0.0;
   double scale_ = 1.0;
   double x_ = 0.0;
   double y_ = 0.0;
@@ -121,6 +160,15 @@ class Document {
     text_ += "<path d=\"";
     for (const Segment* segment : segments)
       text_ += fmt::format("M{}L{}", view.text(segment->from), view.text(segment->to));
+    text_ += fmt::format("\" {}/>\n", style);
+  }
+  /// One path of dots: lines of no length, whose ends the style makes round or square.
+  void addDots(const View& view, const std::vector<PlanePoint>& points, const std::string& style) {
+    if (points.empty()) return;
+    text_ += "<path d=\"";
+    for (const PlanePoint& point : points) {
+      if (view.shows(point)) text_ += fmt::format("M{}h0", view.text(point));
+    }
     text_ += fmt::format("\" {}/>\n", style);
   }
   const std::string& text() const { return text_; }
@@ -157,18 +205,37 @@ void drawAxes(Document& document, double left) {
   document.add("<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"small\">z</text>", x - 3.0, y - 28.0);
 }
 
+/// More lines to landmarks than these are a grey area and a large file.
+constexpr std::size_t mostSightings = 20000;
+
+std::string factsOf(const Scene& scene, const View& view) {
+  const auto size = [](const auto& list) { return static_cast<std::int64_t>(list.size()); };
+  std::string facts = counted(size(scene.poses), "pose") + ", ";
+  if (!scene.landmarks.empty()) facts += counted(size(scene.landmarks), "landmark") + ", ";
+  facts += counted(size(scene.closures), "loop closure");
+  if (std::isfinite(scene.chi2)) facts += fmt::format(", chi2 {:.6g}", scene.chi2);
+  std::vector<std::string> missing;
+  if (scene.withoutEstimate > 0)
+    missing.push_back(counted(scene.withoutEstimate, "vertex", "vertices") + " without estimate");
+  if (scene.withoutPlace > 0) missing.push_back(counted(scene.withoutPlace, "vertex", "vertices") + " without place");
+  const auto outside = std::count_if(scene.landmarks.begin(), scene.landmarks.end(),
+                                     [&view](const PlanePoint& p) { return !view.shows(p); });
+  if (outside > 0) missing.push_back(counted(outside, "landmark") + " beyond the frame");
+  if (scene.sightings.size() > mostSightings) missing.push_back(counted(size(scene.sightings), "sighting"));
+  if (!missing.empty()) facts += fmt::format("; not drawn: {}", fmt::join(missing, ", "));
+  return facts;
+}
+
 void drawPanel(Document& document, const Scene& scene, const MisfitScale& scale, double left) {
   const View view(scene, left);
   document.add("<text x=\"{:.1f}\" y=\"24\" class=\"title\">{}</text>", left + margin, escape(scene.title));
-  std::string facts = fmt::format("{} poses, ", scene.poses.size());
-  if (!scene.landmarks.empty()) facts += fmt::format("{} landmarks, ", scene.landmarks.size());
-  facts += fmt::format("{} loop closures", scene.closures.size());
-  if (std::isfinite(scene.chi2)) facts += fmt::format(", chi2 {:.6g}", scene.chi2);
-  if (scene.left > 0) facts += fmt::format(" ({} vertices not drawn)", scene.left);
-  document.add("<text x=\"{:.1f}\" y=\"43\" class=\"small\">{}</text>", left + margin, facts);
-  document.add("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" class=\"frame\"/>", left + 8.0,
-               headHeight, panelSize - 16.0, panelSize);
-  document.addLines(view, pointers(scene.sightings), "class=\"sighting\"");
+  document.add("<text x=\"{:.1f}\" y=\"43\" class=\"small\">{}</text>", left + margin, factsOf(scene, view));
+  const std::string frame = fmt::format("x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"", left + 8.0,
+                                        headHeight, panelSize - 16.0, panelSize);
+  document.add("<rect {} class=\"frame\"/>", frame);
+  document.add("<clipPath id=\"panel{0:.0f}\"><rect {1}/></clipPath>\n<g clip-path=\"url(#panel{0:.0f})\">", left,
+               frame);
+  if (scene.sightings.size() <= mostSightings) document.addLines(view, pointers(scene.sightings), "class=\"sighting\"");
   // Closures that fit lie below those that do not.
   std::vector<std::vector<const Segment*>> bins(shades);
   for (const Segment& segment : scene.closures) {
@@ -180,14 +247,29 @@ void drawPanel(Document& document, const Scene& scene, const MisfitScale& scale,
                       fmt::format("class=\"closure\" stroke=\"{}\"", shadeColour(i / (shades - 1.0))));
   }
   document.addLines(view, pointers(scene.odometry), "class=\"odometry\"");
-  for (const PlanePoint& point : scene.landmarks)
-    document.add("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2\" class=\"landmark\"/>", view.x(point), view.y(point));
+  document.addDots(view, scene.landmarks, "class=\"landmark\"");
+  document.addDots(view, scene.lonePoses, "class=\"pose\"");
+  document.add("</g>");
   drawScaleBar(document, view, left);
   if (scene.spatial) drawAxes(document, left);
 }
 
-void drawLegend(Document& document, const MisfitScale& scale, double width) {
+/// What squares and dots are, where there are any.
+void drawDotLegend(Document& document, const std::vector<Scene>& scenes, double y) {
+  const auto entry = [&document](double at, const char* style, const char* text) {
+    document.add("<path d=\"M{:.1f} {:.1f}h0\" class=\"{}\"/>", margin + 18.0, at, style);
+    document.add("<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"small\">{}</text>", margin + 44.0, at + 4.0, text);
+  };
+  const auto any = [&scenes](std::vector<PlanePoint> Scene::*list) {
+    return std::any_of(scenes.begin(), scenes.end(), [list](const Scene& scene) { return !(scene.*list).empty(); });
+  };
+  if (any(&Scene::lonePoses)) entry(y, "pose", "poses not joined");
+  if (any(&Scene::landmarks)) entry(y + 17.0, "landmark", "landmarks");
+}
+
+void drawLegend(Document& document, const std::vector<Scene>& scenes, const MisfitScale& scale, double width) {
   const double y = headHeight + panelSize + 26.0;
+  drawDotLegend(document, scenes, y + 17.0);
   document.add("<path d=\"M{:.1f} {:.1f}h36\" class=\"odometry\"/>", margin, y);
   document.add("<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"small\">consecutive poses</text>", margin + 44.0, y + 4.0);
   const double left = margin + 190.0;
@@ -224,11 +306,12 @@ std::string drawSvg(const std::vector<Scene>& scenes) {
       ".small{{font-size:12px;fill:#555}}.bar{{fill:none;stroke:#555}}"
       ".odometry{{fill:none;stroke:#1d1d1d;stroke-width:1.1;stroke-linecap:round}}"
       ".closure{{fill:none;stroke-width:.8;stroke-opacity:.75}}.sighting{{fill:none;stroke:#c9c9c9;stroke-width:.5}}"
-      ".landmark{{fill:#2c8a57}}</style>");
+      ".landmark{{stroke:#2c8a57;stroke-width:4;stroke-linecap:round}}"
+      ".pose{{stroke:#1d1d1d;stroke-width:5;stroke-linecap:square}}</style>");
   document.add("<rect width=\"{:.0f}\" height=\"{:.0f}\" fill=\"#fff\"/>", width, height);
   for (std::size_t i = 0; i < scenes.size(); ++i)
     drawPanel(document, scenes[i], scale, panelSize * static_cast<double>(i));
-  drawLegend(document, scale, width);
+  drawLegend(document, scenes, scale, width);
   document.add("</svg>");
   return document.text();
 }

@@ -8,7 +8,9 @@
 namespace quiver::app {
 
 /// A self-contained SVG document: the scenes side by side, each to a scale of its own with a bar that tells it; the
-/// trajectory as a line, loop closures coloured by their misfit on one logarithmic scale for all scenes, with a legend.
+/// trajectory as a line, lone poses as squares, landmarks as dots, loop closures coloured by their misfit on one
+/// logarithmic scale for all scenes, with a legend. Landmarks far from all others may lie beyond the frame, and very
+/// many sightings are left out; the picture says so.
 std::string drawSvg(const std::vector<Scene>& scenes);
 
 }  // namespace quiver::app

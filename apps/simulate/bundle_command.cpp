@@ -1,5 +1,7 @@
 #include <quiver/apps/simulate/bundle_command.h>
 
+#include <type_traits>
+
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/simulate/bundle.h>
@@ -42,7 +44,12 @@ void simulateBundle(const Flags& flags) {
 
 template <typename Number>
 void addNumber(CLI::App& command, const char* name, Number& value, const char* text) {
-  command.add_option(name, value, text)->type_name("N")->capture_default_str();
+  CLI::Option* option = command.add_option(name, value, text)->type_name("N")->capture_default_str();
+  if constexpr (std::is_integral_v<Number>) {
+    option->transform(wholeNumber<Number>(0));
+  } else {
+    option->check(numberFrom(0));
+  }
 }
 
 }  // namespace
@@ -53,13 +60,14 @@ void addBundleSimulation(CLI::App& simulate) {
   BundleSettings& bundle = flags->bundle;
   command->add_option("-o,--output", flags->output, "Problem to write with noisy estimates (.bal or .g2o)")
       ->required()
-      ->type_name("OUT");
+      ->type_name("OUT")
+      ->check(outputPath());
   command->add_option("--truth", flags->truth, "Write the same problem at the true cameras and points here")
       ->type_name("FILE")
       ->check(outputPath());
   command->add_option("--scene", bundle.scene, "loop: a circle, looking outwards; city: round the blocks of a city")
       ->type_name("loop|city")
-      ->check(CLI::IsMember({"loop", "city"}).description(""))
+      ->check(wordAmong({"loop", "city"}))
       ->capture_default_str();
   addNumber(*command, "--cameras", bundle.cameras, "Cameras");
   addNumber(*command, "--points", bundle.points, "Points");
@@ -71,7 +79,7 @@ void addBundleSimulation(CLI::App& simulate) {
   addNumber(*command, "--error-position", bundle.positionError, "Deviation of the cameras' estimates in metres");
   addNumber(*command, "--error-point", bundle.pointError, "Deviation of the points' estimates in metres");
   addNumber(*command, "--seed", bundle.seed, "Seed of everything that is random");
-  addNumber(*command, "--threads", flags->threads, "Threads at most; 0 means as many as the machine has");
+  addThreadsOption(*command, flags->threads);
   command->footer(
       "Examples:\n"
       "  quiver simulate bundle -o loop.bal --truth loop_truth.bal\n"

@@ -64,27 +64,30 @@ void addWorld(CLI::App& simulateCommand, WorldKind kind, const char* name, const
   flags->sensors = initial;
   command->add_option("-o,--output", flags->output, "Graph to write: noisy odometry as its estimates")
       ->required()
-      ->type_name("OUT");
+      ->type_name("OUT")
+      ->check(outputPath());
   command->add_option("--truth", flags->truth, "Write the same graph at the true estimates here")
       ->type_name("FILE")
       ->check(outputPath());
   command->add_option("--seed", flags->world.seed, "Seed of the way and the noise")
       ->type_name("N")
+      ->transform(wholeNumber<std::uint64_t>(0))
       ->capture_default_str();
-  command->add_option("--poses", flags->world.poses, "Number of poses")->type_name("N")->capture_default_str();
+  command->add_option("--poses", flags->world.poses, "Number of poses")
+      ->type_name("N")
+      ->transform(wholeNumber<std::int64_t>(0))
+      ->capture_default_str();
   command->add_option("--side", flags->world.side, "Side of the world in metres; 0: from the number of poses")
       ->type_name("M")
       ->capture_default_str();
   if (kind == WorldKind::landmarks2d || kind == WorldKind::landmarks3d)
     command->add_option("--landmarks", flags->world.landmarks, "Number of landmarks in the world")
         ->type_name("N")
+        ->transform(wholeNumber<std::int64_t>(0))
         ->capture_default_str();
-  command->add_option("--sensors", flags->sensors, fmt::format("Any of {}", fmt::join(sensors, ", ")))
-      ->type_name("A[,B…]")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember(sensors).description(""))
-      ->capture_default_str();
+  addList(*command, "--sensors", flags->sensors, fmt::format("Any of {}", fmt::join(sensors, ", ")), wordAmong(sensors))
+      ->type_name("A[,B...]")
+      ->default_str(fmt::format("{}", fmt::join(initial, ",")));
   command->footer(
       fmt::format("Example:\n  quiver simulate {0} -o {0}.g2o --truth truth.g2o --poses 10000 --seed 7", name));
   command->callback([flags] { simulate(*flags); });

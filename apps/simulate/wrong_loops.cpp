@@ -56,6 +56,7 @@ std::int64_t addWrongEdges(Graph& graph, double fraction, std::mt19937_64& rando
   PoseEdges<E> edges(graph);
   const auto right = static_cast<double>(edges.measurements.size());
   const auto wanted = static_cast<std::int64_t>(std::llround(fraction * right));
+  if (wanted == 0) return 0;
   const auto poses = static_cast<double>(edges.poses.size());
   if (static_cast<double>(wanted) > 0.25 * poses * (poses - 1.0) - static_cast<double>(edges.joined.size()))
     throw GraphError(fmt::format("{} poses have no room for {} wrong loop closures", edges.poses.size(), wanted));

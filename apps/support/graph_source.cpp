@@ -17,13 +17,14 @@ namespace quiver::app {
 void addPluginOption(CLI::App& command, std::vector<std::string>& plugins) {
   command.add_option("--plugin", plugins, "Shared library that brings types or solvers; may be given again")
       ->type_name("FILE")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->check(inputPath());
 }
 
 void addThreadsOption(CLI::App& command, int& threads) {
   command.add_option("--threads", threads, "Threads at most; 0: as the machine has. Results do not depend on it")
       ->type_name("N")
-      ->check(CLI::Range(0, 4096).description(""));
+      ->transform(wholeNumber(0, 4096));
 }
 
 void addSourceOptions(CLI::App& command, GraphSource& source) {
@@ -32,6 +33,10 @@ void addSourceOptions(CLI::App& command, GraphSource& source) {
                   "Graph to read (.g2o, TORO, CSV, BAL, told by content; .gz and .bz2 too; - is standard input)")
       ->required()
       ->type_name("");
+  addReadingOptions(command, source);
+}
+
+void addReadingOptions(CLI::App& command, GraphSource& source) {
   addPluginOption(command, source.plugins);
   static const std::map<std::string, UnknownTags> unknown{
       {"error", UnknownTags::error}, {"skip", UnknownTags::skip}, {"keep", UnknownTags::keep}};
@@ -69,16 +74,20 @@ std::shared_ptr<Registry> makeRegistry(const std::vector<std::string>& plugins) 
   return registry;
 }
 
-LoadedGraph loadGraph(const GraphSource& source) {
-  const auto registry = makeRegistry(source.plugins);
-  const Stopwatch watch;
-  ReadReport report;
+ReadOptions readOptions(const GraphSource& source, ReadReport& report) {
   ReadOptions options;
   options.unknown = source.unknown;
   options.information = source.information;
   options.threads = source.threads;
   options.report = &report;
-  Graph graph = readGraph(source.path, registry, options);
+  return options;
+}
+
+LoadedGraph loadGraph(const GraphSource& source) {
+  const auto registry = makeRegistry(source.plugins);
+  const Stopwatch watch;
+  ReadReport report;
+  Graph graph = readGraph(source.path, registry, readOptions(source, report));
   return {std::move(graph), std::move(report), watch.seconds()};
 }
 

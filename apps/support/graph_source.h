@@ -37,6 +37,8 @@ struct LoadedGraph {
 
 /// The flags --plugin, --unknown, --information and --threads, and the positional IN.
 void addSourceOptions(CLI::App& command, GraphSource& source);
+/// The same without IN, for commands that read more than one file.
+void addReadingOptions(CLI::App& command, GraphSource& source);
 void addPluginOption(CLI::App& command, std::vector<std::string>& plugins);
 void addThreadsOption(CLI::App& command, int& threads);
 CLI::Option* addDialectOption(CLI::App& command, Dialect& dialect);
@@ -46,6 +48,8 @@ std::shared_ptr<Registry> makeRegistry(const std::vector<std::string>& plugins);
 
 /// Reads the graph. Throws FileError, ParseError, GraphError or PluginError.
 LoadedGraph loadGraph(const GraphSource& source);
+/// How the source says it is read; what happens goes to `report`.
+ReadOptions readOptions(const GraphSource& source, ReadReport& report);
 
 /// {"file", "format", "bytes", "vertices": {TAG: n}, "edges": {TAG: n}}
 nlohmann::ordered_json describeInput(const GraphSource& source, const LoadedGraph& loaded);

@@ -1,9 +1,10 @@
 #include <quiver/apps/support/output.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <filesystem>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <quiver/apps/support/outcome.h>
 #include <quiver/core/io/files/output_file.h>
@@ -21,13 +22,26 @@ bool holdsQuaternions(const Graph& graph) {
   return found;
 }
 
+/// Whether two paths lead to one file, which need not exist. Devices, as /dev/null, take what any number write.
+bool sameFile(const std::string& a, const std::string& b) {
+  if (a == "-" || b == "-") return a == b;
+  std::error_code error;
+  if (std::filesystem::is_character_file(a, error)) return false;
+  if (a == b || std::filesystem::equivalent(a, b, error)) return true;
+  const auto resolve = [&error](const std::string& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+  };
+  const std::filesystem::path one = resolve(a);
+  return !one.empty() && one == resolve(b);
+}
+
 }  // namespace
 
 void checkOutputs(const std::vector<std::string>& paths) {
   std::vector<std::string> seen;
   for (const std::string& path : paths) {
     if (path.empty()) continue;
-    if (std::find(seen.begin(), seen.end(), path) != seen.end())
+    if (std::any_of(seen.begin(), seen.end(), [&path](const std::string& other) { return sameFile(other, path); }))
       throw UsageError(fmt::format("two outputs go to {}", path == "-" ? "standard output" : path));
     seen.push_back(path);
   }
@@ -36,6 +50,15 @@ void checkOutputs(const std::vector<std::string>& paths) {
       checkWritable(path);
     } catch (const FileError& error) {
       throw OutputError(error.what());
+    }
+  }
+}
+
+void checkInputsSpared(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
+  for (const std::string& output : outputs) {
+    for (const std::string& input : inputs) {
+      if (output.empty() || input.empty() || output == "-" || !sameFile(output, input)) continue;
+      throw UsageError(fmt::format("{} would be replaced: it is read, and is to be written as something else", output));
     }
   }
 }

@@ -14,8 +14,12 @@
 namespace quiver::app {
 
 /// Throws OutputError for the first path that could not be written, and UsageError if two of them are standard output
-/// or the same file. Empty paths are skipped. To be asked before long work.
+/// or the same file, however it is spelled. Empty paths are skipped. To be asked before long work.
 void checkOutputs(const std::vector<std::string>& paths);
+
+/// Throws UsageError if an output would replace an input. For outputs of another kind than the input: a picture or a
+/// report in place of a graph is a slip of the keyboard. Empty paths and "-" are skipped.
+void checkInputsSpared(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
 
 /// Throws OutputError if the format, or the one that the name of `path` asks for, cannot hold the graph. To be asked
 /// before long work; an empty path is skipped.

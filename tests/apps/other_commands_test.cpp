@@ -75,6 +75,10 @@ TEST_F(OtherCommands, InfoKnowsVerticesWithoutEstimate) {
   EXPECT_EQ(info["without_estimate"], Json::array({0, 1}));
   EXPECT_TRUE(info["chi2"].is_null());
   EXPECT_EQ(run("info edges.g2o --plan").exitCode, 0);
+  write("psi.g2o", "PARAMS_CAMERAPARAMETERS 0 100 0 0 0\nEDGE_PROJECT_PSI2UV:EXPMAP 0 1 2 0 25 0 1 0 1\n");
+  const CommandResult unknown = run("info psi.g2o --plan");
+  EXPECT_EQ(unknown.exitCode, 3);
+  EXPECT_EQ(unknown.err.rfind("psi.g2o: no edge tells where vertex 0", 0), 0u) << unknown.err;
 }
 
 TEST_F(OtherCommands, ListDescribesTypesAndNames) {
@@ -135,6 +139,45 @@ TEST_F(OtherCommands, FormatsThatCannotHoldAGraphAreRefused) {
   EXPECT_FALSE(exists("x.graph"));
   EXPECT_EQ(run("simulate manhattan -o x.csv --poses 10").exitCode, 2);
   EXPECT_EQ(run("convert plane.g2o x.g2o --to xml").exitCode, 2);
+}
+
+TEST_F(OtherCommands, SimulateRefusesWhatMakesNoSense) {
+  ASSERT_EQ(run("simulate sphere -o s.g2o --laps 4 --nodes-per-lap 8").exitCode, 0);
+  struct Wrong {
+    const char* words;
+    int exitCode;
+    const char* message;
+  };
+  for (const auto& [words, exitCode, message] :
+       {Wrong{"sphere -o x.g2o --seed -1", 2, "--seed: '-1' is no whole number of at least 0"},
+        Wrong{"manhattan -o x.g2o --seed -1", 2, "--seed: '-1' is no whole number of at least 0"},
+        Wrong{"bundle -o x.g2o --seed -1", 2, "--seed: '-1' is no whole number of at least 0"},
+        Wrong{"bundle -o x.g2o --threads -4", 2, "--threads: '-4' is no whole number from 0 to 4096"},
+        Wrong{"sphere -o x.g2o --noise-rotation '0.1;;0.1'", 2, "in the list '0.1;;0.1' a word is missing at a ';'"},
+        Wrong{"manhattan -o x.g2o --sensors odometry,,pose", 2, "in the list 'odometry,,pose' a word is missing"},
+        Wrong{"manhattan -o x.g2o --sensors radar", 2, "--sensors: 'radar' is none of odometry, pose, compass, gps"},
+        Wrong{"sphere -o x.bal", 6, "x.bal: a bundle adjustment file (.bal) cannot hold vertex 0"},
+        Wrong{"sphere -o x.g2o --truth x.bal", 6, "x.bal: a bundle adjustment file (.bal) cannot hold vertex 0"},
+        Wrong{"outliers s.g2o -o x.bal", 6, "x.bal: a bundle adjustment file (.bal) cannot hold vertex 0"},
+        Wrong{"sphere -o ''", 2, "the path of the file to write is empty"},
+        Wrong{"manhattan -o ''", 2, "the path of the file to write is empty"},
+        Wrong{"bundle -o ''", 2, "the path of the file to write is empty"}}) {
+    const CommandResult result = run(std::string("simulate ") + words);
+    EXPECT_EQ(result.exitCode, exitCode) << words;
+    EXPECT_NE(result.err.find(message), std::string::npos) << words << '\n' << result.err;
+    EXPECT_FALSE(exists("x.g2o")) << words;
+  }
+  write("pair.g2o", "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n");
+  const CommandResult none = run("simulate outliers pair.g2o -o x.g2o");
+  EXPECT_EQ(none.exitCode, 3);
+  EXPECT_EQ(none.err.rfind("pair.g2o: no wrong loop closure to add", 0), 0u) << none.err;
+}
+
+TEST_F(OtherCommands, OutputsDoNotMix) {
+  EXPECT_EQ(run("list --markdown --json -").exitCode, 2);
+  EXPECT_EQ(run("list --markdown --json list.json").exitCode, 0);
+  write("in.g2o", square);
+  EXPECT_EQ(run("convert in.g2o ''").exitCode, 2);
 }
 
 TEST_F(OtherCommands, PlotDrawsPlanesAndSpace) {

@@ -116,19 +116,70 @@ TEST_F(Surroundings, UsageErrorsSayWhatWouldDo) {
         Wrong{"--time-limit -1", "--time-limit: '-1' is no number of at least 0"},
         Wrong{"--time-limit nan", "--time-limit: 'nan' is no number of at least 0"},
         Wrong{"--time-limit inf", "--time-limit: 'inf' is no number of at least 0"},
-        Wrong{"--fix a", "--fix: 'a' is no id of a vertex"}, Wrong{"--fix 1.5", "--fix: '1.5' is no id of a vertex"},
+        Wrong{"--fix a", "--fix: 'a' is no id of a vertex"},
+        Wrong{"--fix 1.5", "--fix: '1.5' is no id of a vertex"},
         Wrong{"--fix 0,-1", "--fix: '-1' is no id of a vertex"},
         Wrong{"--only 99999999999999999999", "--only: '99999999999999999999' is no id of a vertex"},
         Wrong{"--memory-limit 0", "--memory-limit: '0' is no number of at least 1"},
+        Wrong{"--fix 1,,2", "--fix: in the list '1,,2' a word is missing at a ','"},
+        Wrong{"--fix 1,", "--fix: in the list '1,' a word is missing"},
+        Wrong{"--fix ,1", "--fix: in the list ',1' a word is missing"},
+        Wrong{"--fix ,", "--fix: in the list ',' a word is missing"},
+        Wrong{"--fix ''", "--fix: '' is no id of a vertex"},
+        Wrong{"--fix '1 ,2'", "--fix: '1 ' is no id of a vertex"},
+        Wrong{"--fix 1 --fix 2,,3", "--fix: in the list '2,,3' a word is missing"},
+        Wrong{"--only 1,,2", "--only: in the list '1,,2' a word is missing"},
+        Wrong{"--eliminate VERTEX_SE2,,VERTEX_XY", "--eliminate: in the list"},
+        Wrong{"--eliminate ''", "--eliminate: the list is empty"},
+        Wrong{"--robust huber --robust-edges EDGE_SE2,", "--robust-edges: in the list"},
+        Wrong{"--robust huber --robust-edges ''", "--robust-edges: the list is empty"},
+        Wrong{"--robust ''", "--robust: the name of the kernel is empty"},
+        Wrong{"--plugin ''", "--plugin: the path of the file to read is empty"},
+        Wrong{"--iterations 1.5", "--iterations: '1.5' is no whole number of at least 0"},
+        Wrong{"--iterations -1", "--iterations: '-1' is no whole number of at least 0"},
+        Wrong{"--threads 5000", "--threads: '5000' is no whole number from 0 to 4096"},
+        Wrong{"--linear-tolerance nan", "--linear-tolerance: 'nan' is no number from 1e-16 to 0.999"},
+        Wrong{"--linear-tolerance 0", "--linear-tolerance: '0' is no number from 1e-16 to 0.999"},
         Wrong{"--eliminate none", "--eliminate none: no such vertex type"},
         Wrong{"--eliminate off,VERTEX_SE2", "--eliminate: 'off' stands alone"}}) {
     const CommandResult result = run(std::string("optimize in.g2o ") + flags);
     EXPECT_EQ(result.exitCode, 2) << flags;
     EXPECT_THAT(result.err, HasSubstr(message)) << flags;
   }
-  for (const char* flags : {"--gauge fix", "--gauge free", "--dialect g2o", "--information clamp", "--unknown keep",
-                            "--fix 0,3", "--eliminate off", "--memory-limit 1gb", "--time-limit 100"})
+  for (const char* flags :
+       {"--gauge fix", "--gauge free", "--dialect g2o", "--information clamp", "--unknown keep", "--fix 0,3",
+        "--fix 0 --fix 1,2", "--eliminate off", "--memory-limit 1gb", "--time-limit 100"})
     EXPECT_EQ(run(std::string("optimize in.g2o ") + flags).exitCode, 0) << flags;
+}
+
+TEST_F(Surroundings, NumbersAreDecimal) {
+  std::string text;
+  for (int i = 0; i < 12; ++i) text += "VERTEX_SE2 " + std::to_string(i) + " 0 0 0\n";
+  for (int i = 0; i < 11; ++i)
+    text += "EDGE_SE2 " + std::to_string(i) + " " + std::to_string(i + 1) + " 1 0 0 1 0 0 1 0 1\n";
+  write("in.g2o", text);
+  ASSERT_EQ(run("optimize in.g2o -o out.g2o --quiet --init file --only 011").exitCode, 0);
+  const std::string result = read("out.g2o");
+  EXPECT_NE(result.find("VERTEX_SE2 9 0 0 0\n"), std::string::npos) << "as 011 would be in octal digits\n" << result;
+  EXPECT_EQ(result.find("VERTEX_SE2 11 0 0 0\n"), std::string::npos) << result;
+}
+
+TEST_F(Surroundings, AMissingOrUnknownCommandIsNamed) {
+  struct Wrong {
+    const char* words;
+    const char* message;
+  };
+  for (const auto& [words, message] :
+       {Wrong{"", "quiver is to do what? there are optimize, info"}, Wrong{"optmize x", "did you mean 'optimize'?"},
+        Wrong{"foo", "quiver does not know 'foo'; there are optimize"},
+        Wrong{"--foo", "what it is to do comes before '--foo'; there are optimize"},
+        Wrong{"simulate", "simulate is to do what? there are sphere"},
+        Wrong{"simulate spher -o x.g2o", "simulate does not know 'spher', did you mean 'sphere'?"},
+        Wrong{"simulate sphere -o x.g2o --lap 3", "sphere has no flag '--lap', did you mean '--laps'?"}}) {
+    const CommandResult result = run(words);
+    EXPECT_EQ(result.exitCode, 2) << words;
+    EXPECT_THAT(result.err, HasSubstr(message)) << words;
+  }
 }
 
 /// A file's lines in another order.

@@ -82,7 +82,9 @@ void stopEverywhere(int threads) {
       EXPECT_NEAR(summary.finalChi2, chi2, 1e-9 * chi2 + 1e-9) << "the estimate left is the one told of";
       EXPECT_LE(summary.finalChi2, summary.initialChi2);
     }
-    if (!summary.iterations.empty()) EXPECT_EQ(summary.iterations.back().chi2, summary.finalChi2);
+    if (!summary.iterations.empty()) {
+      EXPECT_EQ(summary.iterations.back().chi2, summary.finalChi2);
+    }
     return calls.load();
   };
   const int all = run(0);

@@ -160,5 +160,44 @@ TEST(TrajectoryError, PosesOfAGraph) {
   EXPECT_THROW(trajectoryOf(Graph(builtinRegistry())), GraphError);
 }
 
+TEST(TrajectoryError, StepsBeyondTheEndAreRefused) {
+  const Trajectory truth = along({{0, 0, 0}, {1, 0, 0}, {3, 0, 0}});
+  const auto count = [&](double step, bool metres) {
+    return evaluateTrajectory(truth, truth, {.step = step, .stepInMetres = metres}).relativeTranslation.count;
+  };
+  EXPECT_EQ(count(2.0, false), 1);
+  EXPECT_THROW(count(3.0, false), GraphError);
+  EXPECT_THROW(count(1e9, false), GraphError);
+  EXPECT_EQ(count(3.0, true), 1);
+  EXPECT_THROW(count(3.01, true), GraphError);
+  const Trajectory single = along({{1, 2, 3}});
+  EXPECT_EQ(evaluateTrajectory(single, single).relativeTranslation.count, 0);
+  EXPECT_THROW(evaluateTrajectory(single, single, {.step = 2.0}), GraphError);
+}
+
+TEST(TrajectoryError, TellsHowPosesWereMatched) {
+  const Trajectory truth = along({{0, 0, 0}, {1, 0, 0}});
+  Trajectory ids = truth;
+  ids.key = TrajectoryKey::id;
+  EXPECT_EQ(evaluateTrajectory(truth, truth).matching, PoseMatching::order);
+  EXPECT_EQ(evaluateTrajectory(ids, ids).matching, PoseMatching::id);
+  EXPECT_EQ(nameOf(PoseMatching::id), "id");
+}
+
+TEST(TrajectoryError, TypesOfPosesCanBeAdded) {
+  const auto registry = builtinRegistry();
+  Graph graph(registry);
+  graph.addVertex<VertexXY>(0, Vector<double, 2>(3.0, 4.0));
+  EXPECT_THROW(trajectoryOf(graph), GraphError);
+  PoseTypes types(*registry);
+  const VertexType& type = *registry->findVertexTypeByName(typeName<VertexXY>());
+  EXPECT_EQ(types.kind(type), PoseKind::none);
+  types.add(type, [](const double* x) { return Pose(SO3<double>(), Vector3(x[0], x[1], 5.0)); });
+  const Trajectory trajectory = trajectoryOf(graph, types);
+  ASSERT_EQ(trajectory.poses.size(), 1u);
+  EXPECT_FALSE(trajectory.planar);
+  EXPECT_EQ(trajectory.poses[0].pose.translation(), Vector3(3.0, 4.0, 5.0));
+}
+
 }  // namespace
 }  // namespace quiver

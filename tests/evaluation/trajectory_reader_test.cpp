@@ -69,6 +69,17 @@ TEST(TrajectoryReader, KnowsATrajectoryWhenItSeesOne) {
   EXPECT_TRUE(isTrajectoryText("# c\n1.0 2"));
   EXPECT_FALSE(isTrajectoryText("VERTEX_SE2 0 0 0 0"));
   EXPECT_FALSE(isTrajectoryText(""));
+  EXPECT_TRUE(isTrajectoryText("1 2 x"));
+  EXPECT_TRUE(
+      isTrajectoryText("\xef\xbb\xbf"
+                       "0 0 0 0 0 0 0 1"));
+  EXPECT_EQ(readTrajectoryText("\xef\xbb\xbf"
+                               "0 0 0 0 0 0 0 1",
+                               "t")
+                .poses.size(),
+            1u);
+  EXPECT_TRUE(isTrajectoryText("1 2 3.5\n"));
+  EXPECT_FALSE(isTrajectoryText("49 7776 31843\n0 0 1.5 -2\n")) << "a bundle adjustment file";
 }
 
 }  // namespace
