@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/commands.h>
+#include <quiver/apps/support/freed_memory.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/standard_streams.h>
 #include <quiver/core/registry/registry.h>
@@ -101,6 +102,7 @@ int checkStandardOutput(int exitCode) {
 
 int main(int count, char** words) {
   quiver::app::holdStandardStreams();
+  quiver::app::keepFreedMemory();
   int exitCode = 0;
   try {
     exitCode = quiver::app::runCommand(count, words);

@@ -1,5 +1,6 @@
 #include <quiver/solvers/block/ordering.h>
 
+#include <mutex>
 #include <numeric>
 
 #include <Eigen/OrderingMethods>
@@ -67,6 +68,9 @@ std::vector<int> dissection(const BlockGraph& graph, const BlockLayout& layout) 
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = dissectionSeed;
+  // METIS draws from the C library's one sequence of random numbers: two searches at a time would disturb each other.
+  static std::mutex oneAtATime;
+  const std::lock_guard lock(oneAtATime);
   options[METIS_OPTION_UFACTOR] = dissectionImbalance;
   const int result =
       METIS_NodeND(&count, starts.data(), neighbours.data(), layout.uniformDimension() != 0 ? nullptr : weights.data(),

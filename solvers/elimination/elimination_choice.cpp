@@ -154,10 +154,9 @@ class Chooser {
       if (static_cast<double>(taken.size()) < leastShare * static_cast<double>(members.size()) ||
           static_cast<int>(taken.size()) < leastCount) {
         if (reason_.empty()) {
-          reason_ = fmt::format(
-              "of {} {} only {} can be eliminated at once, and {} of these have fewer neighbours than "
-              "their neighbours have",
-              members.size(), type(t).tag(), possible, taken.size());
+          reason_ =
+              fmt::format("of {} {}, {} can be eliminated at once, of which {} have fewer neighbours than those have",
+                          members.size(), type(t).tag(), possible, taken.size());
         }
         return;
       }
@@ -240,7 +239,7 @@ class Chooser {
       return true;
     }
     if (static_cast<double>(plain_) >= plainShare * static_cast<double>(choice_.count)) {
-      reason_ = fmt::format("{} {} have fewer neighbours than these have and leave a system of {} vertices",
+      reason_ = fmt::format("{} {} have fewer neighbours than those have and leave a system of {} vertices",
                             choice_.count, names(), rest);
       return true;
     }
