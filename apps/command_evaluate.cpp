@@ -9,7 +9,6 @@
 #include <quiver/apps/evaluate/trajectory_svg.h>
 #include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
-#include <quiver/apps/support/known_poses.h>
 #include <quiver/apps/support/named_errors.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/output.h>
@@ -48,7 +47,7 @@ Trajectory load(GraphSource source, const std::string& path, const std::shared_p
   ReadReport report;
   const Graph graph = readGraphText(file.text(), file.name(), registry, readOptions(source, report));
   for (const std::string& note : readingNotes(source, report)) tell(stderr, "{}\n", note);
-  return naming(displayName(path), [&] { return trajectoryOf(graph, knownPoses(*registry)); });
+  return naming(displayName(path), [&] { return trajectoryOf(graph); });
 }
 
 AlignmentGroup groupOf(Align align, bool planar) {

@@ -8,23 +8,20 @@
 
 namespace quiver {
 
-Trajectory trajectoryOf(const Graph& graph) { return trajectoryOf(graph, PoseTypes(*graph.registry())); }
-
-Trajectory trajectoryOf(const Graph& graph, const PoseTypes& types) {
+Trajectory trajectoryOf(const Graph& graph) {
   constexpr std::int64_t largestExact = std::int64_t{1} << 53;
   Trajectory trajectory;
   trajectory.key = TrajectoryKey::id;
   trajectory.planar = true;
   graph.forEachVertex([&](const Vertex& vertex) {
     const VertexType& type = graph.typeOf(vertex);
-    const PoseKind kind = types.kind(type);
-    if (kind == PoseKind::none) return;
+    if (!isPose(type.placeKind())) return;
     if (!vertex.hasEstimate())
       throw GraphError(fmt::format("vertex {} has no estimate, so the trajectory is not known", vertex.id()));
     if (vertex.id() > largestExact)
       throw GraphError(fmt::format("vertex id {} is too large for a trajectory's key", vertex.id()));
-    if (kind == PoseKind::space) trajectory.planar = false;
-    trajectory.poses.push_back({static_cast<double>(vertex.id()), types.pose(type, vertex)});
+    if (!isPlanar(type.placeKind())) trajectory.planar = false;
+    trajectory.poses.push_back({static_cast<double>(vertex.id()), type.place(type.values(vertex))});
   });
   if (trajectory.poses.empty()) throw GraphError("the graph has no poses, so there is no trajectory to evaluate");
   std::sort(trajectory.poses.begin(), trajectory.poses.end(),

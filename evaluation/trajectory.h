@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <quiver/core/graph/graph.h>
-#include <quiver/evaluation/pose_types.h>
 #include <quiver/geometry/se3.h>
 
 namespace quiver {
@@ -35,10 +34,9 @@ struct Trajectory {
   std::vector<TrajectoryPose> poses;
 };
 
-/// The poses of a graph: vertices whose estimate is a pose in the plane or in space, or of the types given. Throws
-/// GraphError if there are none, one of them has no estimate, or an id exceeds 2^53. O(n log n).
+/// The poses of a graph: vertices whose place is one, VertexType::placeKind(). Throws GraphError if there are none, one
+/// of them has no estimate, or an id exceeds 2^53. O(n log n).
 Trajectory trajectoryOf(const Graph& graph);
-Trajectory trajectoryOf(const Graph& graph, const PoseTypes& types);
 
 /// Whether a text looks like a trajectory: its first line outside comments begins with a number, and does not consist
 /// of three whole ones, as that of a bundle adjustment file does.

@@ -56,6 +56,7 @@ class VertexCam : public BaseVertex<VertexCam, 6, PosedCamera<double>> {
   static PosedCamera<S> oplus(const PosedCamera<S>& x, const Vector<S, 6>& delta) {
     return PosedCamera<S>(x.pose.retract(delta), x.intrinsics);
   }
+  static SE3<double> place(const PosedCamera<double>& x) { return x.pose; }
   static Matrix<double, 6, gaugeDirections> gaugeGenerators(const PosedCamera<double>& x) {
     return VertexSE3::gaugeGenerators(x.pose);
   }

@@ -89,6 +89,12 @@ class VertexCameraBal : public BaseVertex<VertexCameraBal, 9, BalCamera<double>>
         Vector<S, 3>(x.intrinsics[0] + delta[6], x.intrinsics[1] + delta[7], x.intrinsics[2] + delta[8]));
   }
 
+  /// The inverse of X ↦ R X + t, world to camera: the centre is −Rᵀ t.
+  static SE3<double> place(const BalCamera<double>& x) {
+    const Matrix<double, 3, 3> toWorld = x.rotation.transpose();
+    return {SO3<double>::fromMatrix(toWorld), Vector<double, 3>(-(toWorld * x.translation))};
+  }
+
   /// The world moved by τ: t' = t − R τ; turned by ω: R' = R Exp(−ω); scaled: t along itself.
   static Matrix<double, 9, gaugeDirections> gaugeGenerators(const BalCamera<double>& x) {
     Matrix<double, 9, gaugeDirections> G = Matrix<double, 9, gaugeDirections>::Zero();

@@ -17,6 +17,8 @@ class VertexXY : public BaseVertex<VertexXY, 2, Vector<double, 2>> {
     return Vector<S, 2>(x[0] + delta[0], x[1] + delta[1]);
   }
 
+  static Vector<double, 2> place(const Vector<double, 2>& x) { return x; }
+
   static Matrix<double, 2, gaugeDirections> gaugeGenerators(const Vector<double, 2>& x) {
     Matrix<double, 2, gaugeDirections> G = Matrix<double, 2, gaugeDirections>::Zero();
     G(0, gaugeX) = 1.0;

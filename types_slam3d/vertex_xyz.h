@@ -17,6 +17,8 @@ class VertexXYZ : public BaseVertex<VertexXYZ, 3, Vector<double, 3>> {
     return Vector<S, 3>(x[0] + delta[0], x[1] + delta[1], x[2] + delta[2]);
   }
 
+  static Vector<double, 3> place(const Vector<double, 3>& x) { return x; }
+
   static Matrix<double, 3, gaugeDirections> gaugeGenerators(const Vector<double, 3>& x) {
     Matrix<double, 3, gaugeDirections> G = Matrix<double, 3, gaugeDirections>::Zero();
     G.block<3, 3>(0, gaugeX).setIdentity();

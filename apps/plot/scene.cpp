@@ -15,10 +15,7 @@
 #include <quiver/apps/info/graph_survey.h>
 #include <quiver/apps/plot/anchored_points.h>
 #include <quiver/apps/support/counted.h>
-#include <quiver/apps/support/known_poses.h>
 #include <quiver/core/util/error.h>
-#include <quiver/types_slam2d/vertex_xy.h>
-#include <quiver/types_slam3d/vertex_xyz.h>
 
 namespace quiver::app {
 namespace {
@@ -35,33 +32,11 @@ PlanePoint isometric(double x, double y, double z) {
   return {c * (x + y), s * (y - x) + z};
 }
 
-/// Where vertices are: poses and points. Other types have no place.
-class Placer {
- public:
-  explicit Placer(const Registry& registry)
-      : poses_(knownPoses(registry)),
-        xy_(registry.findVertexTypeByName(typeName<VertexXY>())),
-        xyz_(registry.findVertexTypeByName(typeName<VertexXYZ>())) {}
-
-  bool places(const VertexType& type) const {
-    return poses_.kind(type) != PoseKind::none || &type == xy_ || &type == xyz_;
-  }
-  bool spatial(const VertexType& type) const { return poses_.kind(type) == PoseKind::space || &type == xyz_; }
-  /// Of a vertex with an estimate, of a type that has a place of its own.
-  Place place(const VertexType& type, const Vertex& vertex) const {
-    if (const PoseKind kind = poses_.kind(type); kind != PoseKind::none) {
-      const Vector<double, 3> t = poses_.pose(type, vertex).translation();
-      return {kind == PoseKind::plane ? PlanePoint{t[0], t[1]} : isometric(t[0], t[1], t[2]), true};
-    }
-    const double* x = type.values(vertex);
-    return {&type == xy_ ? PlanePoint{x[0], x[1]} : isometric(x[0], x[1], x[2]), false};
-  }
-
- private:
-  PoseTypes poses_;
-  const VertexType* xy_;
-  const VertexType* xyz_;
-};
+/// Of a vertex with an estimate, of a type that has a place of its own.
+Place ownPlace(const VertexType& type, const Vertex& vertex) {
+  const Vector<double, 3> t = type.place(type.values(vertex)).translation();
+  return {isPlanar(type.placeKind()) ? PlanePoint{t[0], t[1]} : isometric(t[0], t[1], t[2]), isPose(type.placeKind())};
+}
 
 using Places = std::unordered_map<std::int64_t, Place>;
 
@@ -126,14 +101,13 @@ void addEdges(const Graph& graph, const Places& places, Scene& scene) {
 
 Scene makeScene(const Graph& graph) {
   Scene scene;
-  const Placer placer(*graph.registry());
   const auto anchored = anchoredPoints(graph);
   const auto placeOf = [&](const VertexType& type, const Vertex& vertex) -> std::optional<Place> {
     if (const auto found = anchored.find(vertex.id()); found != anchored.end()) {
       const std::optional<Vector<double, 3>>& p = found->second;
       return p ? std::optional(Place{isometric((*p)[0], (*p)[1], (*p)[2]), false}) : std::nullopt;
     }
-    return placer.places(type) ? std::optional(placer.place(type, vertex)) : std::nullopt;
+    return type.placeKind() != PlaceKind::none ? std::optional(ownPlace(type, vertex)) : std::nullopt;
   };
   Places places;
   graph.forEachVertex([&](const Vertex& vertex) {
@@ -149,7 +123,7 @@ Scene makeScene(const Graph& graph) {
     }
     places.emplace(vertex.id(), *place);
     (place->pose ? scene.poses : scene.landmarks).push_back(place->point);
-    scene.spatial = scene.spatial || placer.spatial(type);
+    scene.spatial = scene.spatial || (type.placeKind() != PlaceKind::none && !isPlanar(type.placeKind()));
   });
   if (places.empty()) {
     throw GraphError(

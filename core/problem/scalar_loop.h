@@ -7,20 +7,23 @@
 
 namespace quiver::detail {
 
-/// The step of a central difference for each direction of a tangent: ε^⅓ times the size of what it moves, at least 1.
+/// The step of a central difference in each direction of a tangent, in ε^⅓: the cube root of the size of what it
+/// moves, at least 1. Of a coordinate x the error's rounding is ε|x|, so that (ε|x|)^⅓ loses least where the error
+/// bends over lengths of about 1, however far away the world's origin is (UTM coordinates, say).
 template <typename Estimate>
 inline double differenceScale(const Estimate& x, int direction) {
+  const auto scaleOf = [](double size) { return std::cbrt(std::max(1.0, size)); };
   if constexpr (std::is_same_v<Estimate, double>) {
-    return std::max(1.0, std::abs(x));
+    return scaleOf(std::abs(x));
   } else if constexpr (requires { x.translation(); }) {
     // Translation comes first in every tangent; it moves in metres, rotation and scale in radians and logarithms.
     if (direction >= x.translation().size()) return 1.0;
-    return std::max(1.0, x.translation().cwiseAbs().maxCoeff());
+    return scaleOf(x.translation().cwiseAbs().maxCoeff());
   } else if constexpr (requires {
                          x.size();
                          x[0];
                        }) {
-    return direction < x.size() ? std::max(1.0, std::abs(x[direction])) : 1.0;
+    return direction < x.size() ? scaleOf(std::abs(x[direction])) : 1.0;
   } else {
     return 1.0;
   }

@@ -10,6 +10,7 @@
 #include <quiver/core/graph/edge.h>
 #include <quiver/core/graph/element_pool.h>
 #include <quiver/core/registry/fields.h>
+#include <quiver/core/registry/place.h>
 
 namespace quiver {
 
@@ -58,6 +59,12 @@ class VertexType : public ElementType {
   virtual int dimension() const = 0;
   virtual int dimension(const Vertex& vertex) const = 0;
   virtual PoseKind poseKind() const = 0;
+  /// Where vertices of the type are in the world: what the type's optional `static … place(const Estimate&)` returns, a
+  /// pose (SE2 or SE3, body to world) or a point (Vector of 2 or 3) in metres; an estimate that is an SE2 or SE3 if it
+  /// has none.
+  virtual PlaceKind placeKind() const = 0;
+  /// As a pose in space; z = 0 in the plane, no rotation for a point. Requires a kind that is not none.
+  virtual SE3<double> place(const double* values) const = 0;
   /// Number of doubles that hold the estimate.
   virtual int valueCount(const Vertex& vertex) const = 0;
   virtual const double* values(const Vertex& vertex) const = 0;

@@ -69,6 +69,14 @@ class VertexTypeOf final : public VertexType {
       return PoseKind::none;
     }
   }
+  PlaceKind placeKind() const override { return placeKindOf<V>(); }
+  SE3<double> place(const double* values) const override {
+    if constexpr (placeKindOf<V>() == PlaceKind::none) {
+      return inSpace(NoPlace());
+    } else {
+      return inSpace(placeOf<V>(Packing<typename V::Estimate>::template load<double>(values)));
+    }
+  }
   int valueCount(const Vertex& vertex) const override { return static_cast<const V&>(vertex).valueCount(); }
   const double* values(const Vertex& vertex) const override { return static_cast<const V&>(vertex).values(); }
   void setValues(Vertex& vertex, const double* values) const override {

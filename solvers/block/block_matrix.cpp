@@ -10,7 +10,7 @@ namespace quiver {
 
 BlockMatrix::BlockMatrix(std::shared_ptr<const BlockPattern> pattern) : pattern_(std::move(pattern)) {
   const BlockLayout& layout = pattern_->layout();
-  offsets_.resize(static_cast<std::size_t>(pattern_->entries()) + 1);
+  offsets_.assign(static_cast<std::size_t>(pattern_->entries()) + 1, 0);
   std::int64_t offset = 0;
   for (int column = 0; column < pattern_->blocks(); ++column) {
     for (std::int64_t k = pattern_->columnBegin(column); k < pattern_->columnEnd(column); ++k) {

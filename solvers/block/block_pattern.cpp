@@ -9,8 +9,7 @@
 namespace quiver {
 
 BlockLayout::BlockLayout(std::vector<int> dimensions) : dimensions_(std::move(dimensions)) {
-  offsets_.resize(dimensions_.size() + 1);
-  offsets_[0] = 0;
+  offsets_.assign(dimensions_.size() + 1, 0);
   bool uniform = !dimensions_.empty();
   for (std::size_t i = 0; i < dimensions_.size(); ++i) {
     const int dimension = dimensions_[i];

@@ -52,6 +52,13 @@ TEST_F(PlotCommand, DrawsPosesOfAllTypes) {
   }
 }
 
+TEST_F(PlotCommand, DrawsTypesOfPluginsThatSayWhereTheyAre) {
+  write("in.g2o", "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 5 0 0\nVERTEX_BEACON 100 0 4\nEDGE_RANGE_SE2_XY 0 100 5.5 10\n");
+  const std::string picture = drawn(fmt::format("in.g2o --plugin '{}'", QUIVER_TEST_BEACONS));
+  EXPECT_THAT(picture, HasSubstr(">2 poses, 1 landmark"));
+  EXPECT_THAT(picture, HasSubstr("class=\"sighting\""));
+}
+
 TEST_F(PlotCommand, DrawsCamerasThatShareButWhatTheySee) {
   ASSERT_EQ(run("simulate bundle -o b.bal --cameras 20 --points 300").exitCode, 0);
   const std::string picture = drawn("b.bal");

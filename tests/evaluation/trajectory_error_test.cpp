@@ -184,16 +184,26 @@ TEST(TrajectoryError, TellsHowPosesWereMatched) {
   EXPECT_EQ(nameOf(PoseMatching::id), "id");
 }
 
-TEST(TrajectoryError, TypesOfPosesCanBeAdded) {
+/// A mast that stands where its foot is, five metres high.
+class VertexMast : public BaseVertex<VertexMast, 2, Vector<double, 2>> {
+ public:
+  static Vector<double, 2> oplus(const Vector<double, 2>& x, const Vector<double, 2>& delta) { return x + delta; }
+  static Pose place(const Vector<double, 2>& x) { return Pose(SO3<double>(), Vector3(x[0], x[1], 5.0)); }
+};
+
+TEST(TrajectoryError, KnowsPosesOfOwnTypesByTheirPlace) {
   const auto registry = builtinRegistry();
+  const VertexType& mast = registry->addVertex<VertexMast>("VERTEX_MAST");
+  EXPECT_EQ(mast.placeKind(), PlaceKind::pose);
+  EXPECT_EQ(registry->findVertexType("VERTEX_XY")->placeKind(), PlaceKind::planarPoint);
+  EXPECT_EQ(registry->findVertexType("VERTEX_TRACKXYZ")->placeKind(), PlaceKind::point);
+  EXPECT_EQ(registry->findVertexType("VERTEX_SE2")->placeKind(), PlaceKind::planarPose);
+  EXPECT_EQ(registry->findVertexType("VERTEX_CAMERA:BAL")->placeKind(), PlaceKind::pose);
   Graph graph(registry);
   graph.addVertex<VertexXY>(0, Vector<double, 2>(3.0, 4.0));
-  EXPECT_THROW(trajectoryOf(graph), GraphError);
-  PoseTypes types(*registry);
-  const VertexType& type = *registry->findVertexTypeByName(typeName<VertexXY>());
-  EXPECT_EQ(types.kind(type), PoseKind::none);
-  types.add(type, [](const double* x) { return Pose(SO3<double>(), Vector3(x[0], x[1], 5.0)); });
-  const Trajectory trajectory = trajectoryOf(graph, types);
+  EXPECT_THROW(trajectoryOf(graph), GraphError) << "points are no poses";
+  graph.addVertex<VertexMast>(1, Vector<double, 2>(3.0, 4.0));
+  const Trajectory trajectory = trajectoryOf(graph);
   ASSERT_EQ(trajectory.poses.size(), 1u);
   EXPECT_FALSE(trajectory.planar);
   EXPECT_EQ(trajectory.poses[0].pose.translation(), Vector3(3.0, 4.0, 5.0));

@@ -103,6 +103,10 @@ class VertexSim3Expmap : public BaseVertex<VertexSim3Expmap, 7, CameraSimilarity
     moved.similarity = x.similarity.retract(delta);
     return moved;
   }
+  /// The scale moves the points, not the centre.
+  static SE3<double> place(const CameraSimilarity<double>& x) {
+    return {x.similarity.rotation(), x.similarity.translation()};
+  }
   /// A motion Exp(ξ) of the world is Ad(G⁻¹) ξ; the world's directions are in the tangent's order.
   static Matrix<double, 7, gaugeDirections> gaugeGenerators(const CameraSimilarity<double>& x) {
     static_assert(gaugeX == 0 && gaugeRoll == 3 && gaugeScale == 6);

@@ -1,8 +1,8 @@
 #include <quiver/types_slam3d/addons/edge_se3_euler.h>
 
 #include <cmath>
-#include <string>
 
+#include <fmt/format.h>
 #include <Eigen/LU>
 
 namespace quiver {
@@ -42,7 +42,7 @@ std::vector<Field> EdgeSE3Euler::fields() {
   std::vector<Field> result = VertexSE3Euler::fields();
   for (int r = 0; r < 6; ++r) {
     for (int c = r; c < 6; ++c) {
-      result.push_back({"I" + std::to_string(r + 1) + std::to_string(c + 1), "",
+      result.push_back({fmt::format("I{}{}", r + 1, c + 1), "",
                         r + c == 0 ? "information in (x, y, z, roll, pitch, yaw)" : ""});
     }
   }

@@ -14,6 +14,7 @@ class VertexBeacon : public BaseVertex<VertexBeacon, 2, Vector<double, 2>> {
     return x + delta;
   }
   static constexpr std::array tangent{"x [m]", "y [m]"};
+  static Vector<double, 2> place(const Vector<double, 2>& x) { return x; }
 };
 
 class EdgeRange : public BaseEdge<EdgeRange, 1, double, VertexSE2, VertexBeacon> {
