@@ -1,6 +1,5 @@
 #include <quiver/solvers/block/ordering.h>
 
-#include <mutex>
 #include <numeric>
 
 #include <Eigen/OrderingMethods>
@@ -10,6 +9,7 @@
 #endif
 
 #include <quiver/core/util/error.h>
+#include <quiver/core/util/one_at_a_time.h>
 #include <quiver/solvers/block/factor_pattern.h>
 
 namespace quiver {
@@ -68,13 +68,14 @@ std::vector<int> dissection(const BlockGraph& graph, const BlockLayout& layout) 
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = dissectionSeed;
-  // METIS draws from the C library's one sequence of random numbers: two searches at a time would disturb each other.
-  static std::mutex oneAtATime;
-  const std::lock_guard lock(oneAtATime);
   options[METIS_OPTION_UFACTOR] = dissectionImbalance;
-  const int result =
-      METIS_NodeND(&count, starts.data(), neighbours.data(), layout.uniformDimension() != 0 ? nullptr : weights.data(),
-                   options, order.data(), position.data());
+  int result = METIS_ERROR;
+  // METIS draws from the C library's one sequence of random numbers: two searches at a time would disturb each other.
+  oneAtATime([&] {
+    result =
+        METIS_NodeND(&count, starts.data(), neighbours.data(),
+                     layout.uniformDimension() != 0 ? nullptr : weights.data(), options, order.data(), position.data());
+  });
   if (result != METIS_OK) throw LogicError("METIS_NodeND returned " + std::to_string(result));
   return {order.begin(), order.end()};
 }
