@@ -69,15 +69,15 @@ void checkAbi(const Library& library, const std::string& path) {
 
 struct Counts {
   explicit Counts(const Registry& registry)
-      : of{registry.vertexTypes().size(),  registry.edgeTypes().size(),     registry.parameterTypes().size(),
-           registry.dataTags().size(),     registry.linearSystems().size(), registry.initializers().size(),
-           registry.robustKernels().size()} {}
-  std::array<std::size_t, 7> of;
+      : of{registry.vertexTypes().size(),   registry.edgeTypes().size(),     registry.parameterTypes().size(),
+           registry.dataTags().size(),      registry.linearSystems().size(), registry.initializers().size(),
+           registry.robustKernels().size(), registry.algorithms().size()} {}
+  std::array<std::size_t, 8> of;
 };
 
 std::string describeAdded(const Counts& before, const Counts& after) {
-  static constexpr std::array<std::string_view, 7> names{"vertex type",   "edge type",   "parameter type", "data tag",
-                                                         "linear solver", "initialiser", "robust kernel"};
+  static constexpr std::array<std::string_view, 8> names{"vertex type",   "edge type",   "parameter type", "data tag",
+                                                         "linear solver", "initialiser", "robust kernel",  "algorithm"};
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::size_t added = after.of[i] - before.of[i];
@@ -129,6 +129,7 @@ std::string loadPlugin(Registry& registry, const std::string& path) {
   // Lazily first, so that a plugin for another quiver is refused for its ABI, not for a symbol it misses.
   Library library = open(absolute, RTLD_LAZY);
   checkAbi(library, path);
+  library.reset();  // what is open lazily stays so
   library = open(absolute, RTLD_NOW);
   using Entry = int (*)(PluginHost*);
   const auto entry = reinterpret_cast<Entry>(symbol(library, path, "quiverPlugin"));
@@ -136,7 +137,9 @@ std::string loadPlugin(Registry& registry, const std::string& path) {
   const Counts before(registry);
   std::string failure;
   PluginHost host{&registry, [](PluginHost* self, const char* message) { *self->failure = message; }, &failure};
-  if (entry(&host) != 0) throw PluginError(fmt::format("{}: cannot register: {}", path, failure));
+  if (entry(&host) != 0)
+    throw PluginError(
+        fmt::format("{}: cannot register: {}", path, failure.empty() ? "an exception without a text" : failure));
   return fmt::format("{}: {}", path, describeAdded(before, Counts(registry)));
 }
 

@@ -71,8 +71,9 @@ class EdgeDifferences {
         const auto i = static_cast<std::size_t>(r);
         const double computed = block[static_cast<std::size_t>(c * shape.rows + r)];
         const double expected = (4.0 * narrow[i] - wide[i]) / 3.0;
-        double deviation = std::max(0.0, std::abs(computed - expected) - rounding_) / size;
-        if (!std::isfinite(deviation)) deviation = std::numeric_limits<double>::infinity();
+        const double difference = std::abs(computed - expected);
+        const double deviation = std::isfinite(difference) ? std::max(0.0, difference - rounding_) / size
+                                                           : std::numeric_limits<double>::infinity();
         if (!(deviation > worst.deviation) && !worst.vertices.empty()) continue;
         const auto ids = batch_.edge(edge[0]).vertexIds();
         worst = {{ids.begin(), ids.end()}, role, r, c, "", computed, expected, deviation};

@@ -60,7 +60,9 @@ bool Descent::begin() {
            describeBadEdge(totals_) + " at the start; check its measurement and the estimates of its vertices");
     return false;
   }
-  firstGradient_ = gradient_ = gradientNorm();
+  if (!measureGradient()) return false;
+  firstGradient_ = gradient_;
+  firstScaledGradient_ = scaledGradient_;
   if (firstGradient_ == 0.0) {
     finish(Status::converged, "the gradient is zero at the start");
     return false;
@@ -68,9 +70,18 @@ bool Descent::begin() {
   return true;
 }
 
-double Descent::gradientNorm() const {
+bool Descent::measureGradient() {
   const auto gradient = system_.gradient();
-  return largestInLanes(gradient.size(), [&](std::size_t i) { return std::abs(gradient[i]); });
+  const auto diagonal = system_.diagonal();
+  gradient_ = largestInLanes(gradient.size(), [&](std::size_t i) { return std::abs(gradient[i]); });
+  const double square = largestInLanes(gradient.size(), [&](std::size_t i) {
+    return diagonal[i] > 0.0 ? gradient[i] * gradient[i] / diagonal[i] : 0.0;
+  });
+  scaledGradient_ = std::sqrt(square);
+  // Zero times what is finite is zero; the largest number does not tell.
+  if (sumInLanes(gradient.size(), [&](std::size_t i) { return 0.0 * gradient[i]; }) == 0.0) return true;
+  finish(Status::numericalFailure, describeBadJacobian(problem_));
+  return false;
 }
 
 bool Descent::exhausted() {
@@ -121,13 +132,13 @@ bool Descent::accept(const CostTotals& trial) {
   totals_ = trial;
   unreported_ = true;
   system_.linearize(problem_.state());
-  gradient_ = gradientNorm();
+  const bool finite = measureGradient();
   if (totals_.cost <= bestTotals_.cost) {
     bestTotals_ = totals_;
     bestSaved_ = false;
   }
   emitReport(true);
-  return stopRuleMet(costBefore);
+  return !finite || stopRuleMet(costBefore);
 }
 
 void Descent::reject() {
@@ -162,13 +173,16 @@ bool Descent::stopRuleMet(double costBefore) {
                                         change / totals_.cost, options_.costTolerance));
     return true;
   }
-  const double gradient = gradient_ / firstGradient_;
+  const double gradient = scaledGradient_ / firstScaledGradient_;
   if (gradient < options_.gradientTolerance) {
     finish(Status::converged, ShortText("the gradient is {:.2e} of the first, less than {:.0e} is asked", gradient,
                                         options_.gradientTolerance));
     return true;
   }
-  if (relativeStep_ < options_.stepTolerance) {
+  // Far from the origin, small parts of ‖x‖ are long steps: the cost must have come to rest too, if it is asked.
+  const double atRest = std::max(totals_.cost, 1e-6 * summary_.initialCost);
+  const bool moves = options_.costTolerance > 0.0 && change > 100.0 * options_.costTolerance * atRest;
+  if (relativeStep_ < options_.stepTolerance && !moves) {
     finish(Status::converged, ShortText("the step is {:.2e} of the estimate, less than {:.0e} is asked", relativeStep_,
                                         options_.stepTolerance));
     return true;
@@ -205,8 +219,8 @@ void Descent::returnToBest() {
   problem_.restoreBest();
   totals_ = bestTotals_;
   system_.linearize(problem_.state());
-  gradient_ = gradientNorm();
   bestSaved_ = false;
+  (void)measureGradient();
 }
 
 void Descent::end() {

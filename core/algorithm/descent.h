@@ -67,7 +67,8 @@ class Descent {
  private:
   void emitReport(bool accepted);
   bool stopRuleMet(double costBefore);
-  double gradientNorm() const;
+  /// The gradient where the system was linearised last; false, and the end, if it is not finite.
+  bool measureGradient();
   std::string describeBadEdge(const CostTotals& totals) const;
 
   Problem& problem_;
@@ -83,8 +84,10 @@ class Descent {
   /// A step was accepted and has no report yet.
   bool unreported_ = false;
   double firstGradient_ = 0.0;
-  /// ‖g‖∞ at the estimate kept.
+  double firstScaledGradient_ = 0.0;
+  /// ‖g‖∞ at the estimate kept, and the largest |gᵢ|/√Hᵢᵢ, which does not depend on units.
   double gradient_ = 0.0;
+  double scaledGradient_ = 0.0;
   double relativeStep_ = 0.0;
   IterationReport report_;
   Stopwatch watch_;

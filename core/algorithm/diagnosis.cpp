@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
@@ -217,6 +217,25 @@ std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const 
       problem.vertex(slot).id(), problem.vertexType(slot).tag(),
       outcome.coordinate >= 0 ? names[static_cast<std::size_t>(outcome.coordinate)] : "unknown", outcome.pivot,
       describeEdges(problem, slot));
+}
+
+std::string describeBadJacobian(const Problem& problem) {
+  for (int b = 0; b < problem.batches(); ++b) {
+    const EdgeBatch& batch = problem.batch(b);
+    PanelBuffer buffer(batch.largestShape());
+    for (std::int32_t i = 0; i < batch.size(); ++i) {
+      batch.linearize(problem.state(), {&i, 1}, buffer.panel());
+      const EdgeShape shape = batch.shape(i);
+      for (std::size_t role = 0; role < shape.columns.size(); ++role) {
+        for (int k = 0; k < shape.rows * shape.columns[role]; ++k) {
+          if (std::isfinite(buffer.panel().jacobian[role][k * Panel::lanes])) continue;
+          return fmt::format("the Jacobian of edge {} {} is not finite; is its error smooth where it stands?",
+                             problem.edgeType(b).tag(), fmt::join(batch.edge(i).vertexIds(), " "));
+        }
+      }
+    }
+  }
+  return "the gradient is not finite, though the Jacobians are: its numbers are too large";
 }
 
 }  // namespace quiver

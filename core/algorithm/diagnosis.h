@@ -11,4 +11,7 @@ namespace quiver {
 /// the names of its tangent, the edges around it, and what to do. `system` holds the linearisation that failed.
 std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const LinearOutcome& outcome);
 
+/// Why the gradient is not finite though the cost is: the edge whose Jacobian is not.
+std::string describeBadJacobian(const Problem& problem);
+
 }  // namespace quiver

@@ -32,7 +32,10 @@ const NamedEntry<Algorithm>* algorithmOf(const Options& options, const Registry&
 constexpr std::int64_t largeProblem = 200000;
 
 std::unique_ptr<LinearSystem> makeSystem(const Registry& registry, const Options& options) {
-  if (const LinearSystemFactory* factory = registry.findLinearSystem(options.linearSolver)) return (*factory)(options);
+  if (const LinearSystemFactory* factory = registry.findLinearSystem(options.linearSolver)) {
+    if (std::unique_ptr<LinearSystem> system = (*factory)(options)) return system;
+    throw GraphError(fmt::format("the factory of the linear solver '{}' made none", options.linearSolver));
+  }
   std::string known;
   for (const auto& entry : registry.linearSystems()) known += (known.empty() ? "" : ", ") + entry.name;
   throw GraphError(

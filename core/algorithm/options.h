@@ -44,9 +44,9 @@ struct Options {
   std::stop_token stopToken = {};
   /// Stop when |Δcost| / cost of an accepted step is below this. This rule and the next two are switched off by 0.
   double costTolerance = 1e-10;
-  /// Stop when ‖g‖∞ / ‖g₀‖∞ is below this.
+  /// Stop when the largest |gᵢ|/√Hᵢᵢ is below this part of the first one, whatever the units.
   double gradientTolerance = 1e-10;
-  /// Stop when ‖Δ‖ / (‖x‖ + 1e-10) is below this.
+  /// Stop when ‖Δ‖ / (‖x‖ + 1e-10) is below this and the cost changes by less than a hundred `costTolerance`.
   double stepTolerance = 1e-10;
   /// Edges of this level take part; −1 means all edges.
   int level = 0;

@@ -44,6 +44,9 @@ void Options::validate() const {
   };
   demand(maxIterations >= 0, "maxIterations", maxIterations);
   demand(threads >= 0, "threads", threads);
+  constexpr int mostThreads = 4096;
+  if (threads > mostThreads)
+    throw GraphError(fmt::format("option threads is {}: it must be {} or less", threads, mostThreads));
   demand(timeLimit >= 0.0, "timeLimit", timeLimit);
   demand(costTolerance >= 0.0, "costTolerance", costTolerance);
   demand(gradientTolerance >= 0.0, "gradientTolerance", gradientTolerance);

@@ -97,7 +97,7 @@ Graph& Graph::operator=(const Graph& other) {
   if (this != &other) *this = Graph(other);
   return *this;
 }
-Graph::Graph(Graph&&) noexcept = default;
+Graph::Graph(Graph&& other) noexcept : Graph(other.registry_) { *this = std::move(other); }
 Graph& Graph::operator=(Graph&& other) noexcept {
   // Pools go before the registry that may own their code.
   std::swap(changeFlag_, other.changeFlag_);
@@ -119,22 +119,32 @@ Graph& Graph::operator=(Graph&& other) noexcept {
 }
 Graph::~Graph() = default;
 
-int Graph::vertexTypeIndex(std::string_view cppName) {
+void Graph::requireSize(const ElementType& type, std::size_t size) {
+  if (type.objectSize() == size) return;
+  throw GraphError(fmt::format(
+      "{} is the name of two classes, of {} and {} bytes: the first is registered as '{}'; classes in anonymous "
+      "namespaces of two files need names of their own",
+      type.cppName(), type.objectSize(), size, type.tag()));
+}
+
+int Graph::vertexTypeIndex(std::string_view cppName, std::size_t size) {
   if (lastVertexType_.name == cppName.data()) return lastVertexType_.index;
   const VertexType* type = registry_->findVertexTypeByName(cppName);
   if (!type)
     throw GraphError(
         fmt::format("vertex type {} is not registered: call registry->addVertex<{}>(\"TAG\") first", cppName, cppName));
+  requireSize(*type, size);
   lastVertexType_ = {cppName.data(), type->index()};
   return type->index();
 }
 
-int Graph::edgeTypeIndex(std::string_view cppName) {
+int Graph::edgeTypeIndex(std::string_view cppName, std::size_t size) {
   if (lastEdgeType_.name == cppName.data()) return lastEdgeType_.index;
   const EdgeType* type = registry_->findEdgeTypeByName(cppName);
   if (!type)
     throw GraphError(
         fmt::format("edge type {} is not registered: call registry->addEdge<{}>(\"TAG\") first", cppName, cppName));
+  requireSize(*type, size);
   lastEdgeType_ = {cppName.data(), type->index()};
   return type->index();
 }
@@ -273,13 +283,14 @@ Parameter* Graph::findParameter(std::int64_t id) {
 }
 const Parameter* Graph::findParameter(std::int64_t id) const { return const_cast<Graph*>(this)->findParameter(id); }
 
-Vertex& Graph::checkedVertex(std::int64_t id, std::string_view cppName) {
+Vertex& Graph::checkedVertex(std::int64_t id, std::string_view cppName, std::size_t size) {
   Vertex* vertex = findVertex(id);
   if (!vertex) throw GraphError(fmt::format("vertex {} does not exist", id));
   if (typeOf(*vertex).cppName() != cppName) {
     throw GraphError(
         fmt::format("vertex {} is a {} ({}), not a {}", id, typeOf(*vertex).tag(), typeOf(*vertex).cppName(), cppName));
   }
+  requireSize(typeOf(*vertex), size);
   return *vertex;
 }
 

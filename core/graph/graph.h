@@ -39,6 +39,7 @@ class Graph {
   explicit Graph(std::shared_ptr<const Registry> registry);
   Graph(const Graph& other);
   Graph& operator=(const Graph& other);
+  /// The other is empty afterwards.
   Graph(Graph&&) noexcept;
   Graph& operator=(Graph&&) noexcept;
   ~Graph();
@@ -48,7 +49,7 @@ class Graph {
   /// A new vertex. Throws GraphError if its type is not registered or the id is negative or taken.
   template <typename V>
   V& addVertex(std::int64_t id) {
-    return static_cast<V&>(addVertexOf(vertexTypeIndex(typeName<V>()), id));
+    return static_cast<V&>(addVertexOf(vertexTypeIndex(typeName<V>(), sizeof(V)), id));
   }
   template <typename V>
   V& addVertex(std::int64_t id, const typename V::Estimate& estimate) {
@@ -72,7 +73,7 @@ class Graph {
              const Matrix<double, E::errorDimension, E::errorDimension>& information,
              std::span<const std::int64_t> parameters = {}) {
     detail::requireInformation(information);
-    E& edge = static_cast<E&>(addEdgeOf(edgeTypeIndex(typeName<E>()), vertices, parameters));
+    E& edge = static_cast<E&>(addEdgeOf(edgeTypeIndex(typeName<E>(), sizeof(E)), vertices, parameters));
     edge.setMeasurement(measurement);
     storeInformation(edge, information);
     return edge;
@@ -86,6 +87,7 @@ class Graph {
   template <typename P>
   P& addParameter(std::int64_t id, const typename P::Value& value) {
     const ParameterType* type = registry_->findParameterTypeByName(typeName<P>());
+    if (type) requireSize(*type, sizeof(P));
     P& parameter = static_cast<P&>(addParameterOf(type, typeName<P>(), id));
     parameter.setValue(value);
     return parameter;
@@ -102,11 +104,11 @@ class Graph {
   /// The vertex of that id and type. Throws GraphError if there is none or it is of another type.
   template <typename V>
   V& vertex(std::int64_t id) {
-    return static_cast<V&>(checkedVertex(id, typeName<V>()));
+    return static_cast<V&>(checkedVertex(id, typeName<V>(), sizeof(V)));
   }
   template <typename V>
   const V& vertex(std::int64_t id) const {
-    return static_cast<const V&>(const_cast<Graph*>(this)->checkedVertex(id, typeName<V>()));
+    return static_cast<const V&>(const_cast<Graph*>(this)->checkedVertex(id, typeName<V>(), sizeof(V)));
   }
 
   const VertexType& typeOf(const Vertex& vertex) const {
@@ -212,12 +214,14 @@ class Graph {
     }
   }
 
-  int vertexTypeIndex(std::string_view cppName);
-  int edgeTypeIndex(std::string_view cppName);
+  /// Throw GraphError if the type is not registered, or is another one of the same name.
+  int vertexTypeIndex(std::string_view cppName, std::size_t size);
+  int edgeTypeIndex(std::string_view cppName, std::size_t size);
+  static void requireSize(const ElementType& type, std::size_t size);
   Vertex& addVertexOf(int type, std::int64_t id);
   Edge& addEdgeOf(int type, std::span<const std::int64_t> vertices, std::span<const std::int64_t> parameters);
   Parameter& addParameterOf(const ParameterType* type, std::string_view cppName, std::int64_t id);
-  Vertex& checkedVertex(std::int64_t id, std::string_view cppName);
+  Vertex& checkedVertex(std::int64_t id, std::string_view cppName, std::size_t size);
   /// What an edge type joins and uses, indices of vertex and parameter types, and where its edges are.
   struct EdgeShape {
     std::vector<int> vertexTypes;

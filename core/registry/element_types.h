@@ -26,6 +26,8 @@ class ElementType {
   const std::string& tag() const { return tag_; }
   /// `quiver::typeName` of the C++ class.
   std::string_view cppName() const { return cppName_; }
+  /// sizeof the C++ class: with its name, what tells classes apart.
+  virtual std::size_t objectSize() const = 0;
   /// Index in the registry that holds this descriptor.
   int index() const { return index_; }
   /// One paragraph: what it is, its frame, the formula and its source.

@@ -54,6 +54,7 @@ class VertexTypeOf final : public VertexType {
         "static oplus(estimate, Vector<double, D>) must return exactly Estimate: name the type instead of auto");
   }
 
+  std::size_t objectSize() const override { return sizeof(V); }
   std::unique_ptr<ElementPool<Vertex>> makePool() const override { return std::make_unique<TypedPool<Vertex, V>>(); }
   std::vector<Field> fields() const override { return fieldsOf<V, typename V::Estimate>(); }
   int dimension() const override { return V::dimension; }
@@ -166,6 +167,7 @@ class ParameterTypeOf final : public ParameterType {
   ParameterTypeOf(std::string tag, std::string documentation)
       : ParameterType(std::move(tag), typeName<P>(), std::move(documentation)) {}
 
+  std::size_t objectSize() const override { return sizeof(P); }
   std::unique_ptr<ElementPool<Parameter>> makePool() const override {
     return std::make_unique<TypedPool<Parameter, P>>();
   }
@@ -233,6 +235,7 @@ class EdgeTypeOf final : public EdgeType {
     static_assert(alignof(E) <= 8, "an edge may not ask for more alignment than a double");
   }
 
+  std::size_t objectSize() const override { return sizeof(E); }
   std::unique_ptr<ElementPool<Edge>> makePool() const override { return std::make_unique<TypedPool<Edge, E>>(); }
   std::vector<Field> fields() const override { return fieldsOf<E, typename E::Measurement>(); }
   int arity() const override { return static_cast<int>(Roles::names.size()); }

@@ -1,5 +1,7 @@
 #include <quiver/core/util/thread_pool.h>
 
+#include <system_error>
+
 namespace quiver::detail {
 namespace {
 
@@ -47,7 +49,11 @@ void ThreadPool::startThreads(int count) {
   const std::size_t cores = std::thread::hardware_concurrency();
   while (static_cast<int>(threads_.size()) < count) {
     const bool ownCore = threads_.size() + 1 < cores;
-    threads_.emplace_back([this, ownCore] { help(ownCore ? spins : spinsBeyondMachine); });
+    try {
+      threads_.emplace_back([this, ownCore] { help(ownCore ? spins : spinsBeyondMachine); });
+    } catch (const std::system_error&) {
+      return;  // those there are do the work
+    }
   }
 }
 

@@ -138,8 +138,8 @@ struct Dual {
   }
   template <detail::ConstantOf<T> U>
   friend Dual operator/(const U& a, const Dual& b) {
-    const T value = T(a) / b.value;
-    return b.scaled(value, -value / b.value);
+    const T quotient = T(a) / b.value;
+    return b.scaled(quotient, -quotient / b.value);
   }
 
   friend auto operator<(const Dual& a, const Dual& b) { return a.value < b.value; }
