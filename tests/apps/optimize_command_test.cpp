@@ -89,6 +89,9 @@ TEST_F(OptimizeCommand, AnswersBadInputWithThreeAndTheSourceLine) {
   EXPECT_EQ(result.err.rfind("in.g2o:2:1: ", 0), 0u) << result.err;
   EXPECT_EQ(read("out.g2o"), "old");
   EXPECT_EQ(run("optimize in.g2o --plugin missing.so").exitCode, 3);
+  const CommandResult incomplete = run("list --plugin '" QUIVER_TEST_INCOMPLETE "'");
+  EXPECT_EQ(incomplete.exitCode, 3);
+  EXPECT_NE(incomplete.err.find("functionOfNoLibrary"), std::string::npos) << incomplete.err;
   write("square.g2o", square);
   EXPECT_EQ(run("optimize square.g2o --fix 77").exitCode, 3);
 }
