@@ -42,8 +42,8 @@ std::vector<Field> EdgeSE3Euler::fields() {
   std::vector<Field> result = VertexSE3Euler::fields();
   for (int r = 0; r < 6; ++r) {
     for (int c = r; c < 6; ++c) {
-      result.push_back({fmt::format("I{}{}", r + 1, c + 1), "",
-                        r + c == 0 ? "information in (x, y, z, roll, pitch, yaw)" : ""});
+      result.push_back(
+          {fmt::format("I{}{}", r + 1, c + 1), "", r + c == 0 ? "information in (x, y, z, roll, pitch, yaw)" : ""});
     }
   }
   return result;
