@@ -46,6 +46,8 @@ void ThreadPool::work(Loop& loop) {
 }
 
 void ThreadPool::startThreads(int count) {
+  if (static_cast<int>(threads_.size()) >= count) return;
+  // Asking for the number of cores reads a file, 6 µs: not in every loop.
   const std::size_t cores = std::thread::hardware_concurrency();
   while (static_cast<int>(threads_.size()) < count) {
     const bool ownCore = threads_.size() + 1 < cores;
