@@ -10,108 +10,21 @@
 #include <fstream>
 #include <random>
 
+#include <quiver/apps/support/freed_memory.h>
 #include <quiver/core/algorithm/memory_estimate.h>
 #include <quiver/quiver.h>
 #include <quiver/types_sba/expmap/edge_se3_project_xyz.h>
 #include <quiver/types_sba/models/edge_project.h>
 
 #include "bundle_motion.h"
+#include "bundle_published.h"
 #include "peers/measure.h"
-#if QUIVER_BENCH_CERES
-#  include "bundle_ceres.h"
-#endif
 
 using namespace quiver;
 
 namespace {
 
 constexpr int threads = 2;
-
-Options untilIterations(int iterations) {
-  return {.maxIterations = iterations,
-          .algorithm = "lm",
-          .threads = threads,
-          .costTolerance = 0.0,
-          .gradientTolerance = 0.0,
-          .stepTolerance = 0.0};
-}
-
-/// The median of an iteration's seconds.
-double iterationSeconds(const Summary& summary) {
-  std::vector<double> seconds;
-  for (const IterationReport& report : summary.iterations) seconds.push_back(report.seconds.total);
-  return bench::median(seconds);
-}
-
-// ---- a published problem against Ceres ----
-
-void comparePublished(const bench::Arguments& arguments, bench::JsonRows& json) {
-  for (const std::string& file : arguments.graphs) {
-    const auto registry = builtinRegistry();
-    const Graph start = readGraph(file, registry);
-    Summary summary;
-    const auto whole = [&] {
-      return bench::secondsOf([&] {
-        Graph graph = readGraph(file, registry, {.threads = threads});
-        summary = optimize(graph, untilIterations(20));
-      });
-    };
-    const std::string name = std::filesystem::path(file).stem().string();
-    json.begin(name);
-#if QUIVER_BENCH_CERES
-    bench::CeresBundleResult theirs[2];
-    for (const bool sparse : {false, true}) {
-      bench::CeresBundleResult& result = theirs[sparse];
-      double ourIteration = 0.0;
-      const auto both = bench::comparePairs(arguments.rounds, whole, [&] {
-        result = bench::solveBundleWithCeres(file, 20, threads, sparse);
-        return result.loadSeconds + result.solveSeconds;
-      });
-      ourIteration = iterationSeconds(summary);
-      const double theirIteration = result.iterationSeconds / result.iterations;
-      fmt::print(
-          "{:<18} {:<12} iteration {:>7.3f} ms, Ceres {:>7.3f} ms, {:>5.1f}x; whole {:>7.2f} ms, Ceres {:>8.2f} "
-          "ms, {:>5.1f}x; cost {:.8g}, Ceres {:.8g}\n",
-          name, sparse ? "sparse Schur" : "dense Schur", 1e3 * ourIteration, 1e3 * theirIteration,
-          theirIteration / ourIteration, 1e3 * both.ours, 1e3 * both.theirs, both.ratio, 0.5 * summary.finalCost,
-          result.cost);
-      const std::string key = sparse ? "sparse_" : "dense_";
-      json.add(key + "iteration_seconds", ourIteration);
-      json.add(key + "ceres_iteration_seconds", theirIteration);
-      json.add(key + "iteration_ratio", theirIteration / ourIteration);
-      json.add(key + "whole_seconds", both.ours);
-      json.add(key + "ceres_whole_seconds", both.theirs);
-      json.add(key + "whole_ratio", both.ratio);
-      json.add(key + "ceres_cost", result.cost);
-    }
-#else
-    std::vector<double> seconds;
-    for (int i = 0; i < arguments.rounds; ++i) seconds.push_back(whole());
-    fmt::print("{:<18} iteration {:.3f} ms, whole {:.2f} ms, cost {:.8g} (Ceres is not installed)\n", name,
-               1e3 * iterationSeconds(summary), 1e3 * bench::median(seconds), 0.5 * summary.finalCost);
-    json.add("iteration_seconds", iterationSeconds(summary));
-    json.add("whole_seconds", bench::median(seconds));
-#endif
-    json.add("cost", 0.5 * summary.finalCost);
-    const auto secondsWith = [&](std::vector<std::string> types) {
-      Graph graph(start);
-      Options options = untilIterations(10);
-      options.elimination = types.empty() ? EliminationPolicy::automatic : EliminationPolicy::types;
-      options.eliminatedTypes = std::move(types);
-      return bench::secondsOf([&] { (void)optimize(graph, options); });
-    };
-    const bench::Pair hint = bench::comparePairs(
-        arguments.rounds,
-        [&] {
-          return secondsWith({summary.plan.eliminatedTypes.begin(), summary.plan.eliminatedTypes.end()});
-        },
-        [&] { return secondsWith({}); });
-    fmt::print("{:<18} without a hint {:.2f} ms for 10 iterations, with the right one {:.2f} ms, {:.2f}x\n", name,
-               1e3 * hint.theirs, 1e3 * hint.ours, hint.ratio);
-    json.add("no_hint_of_hint", hint.ratio);
-    std::fflush(stdout);
-  }
-}
 
 // ---- the pose of one camera ----
 
@@ -154,7 +67,7 @@ double moveCamera(const std::shared_ptr<const Registry>& registry, const MotionC
     measurement << known.pixel, motion.intrinsics, known.point;
     graph.addEdge<EdgeSE3ProjectXYZOnlyPose>({0}, measurement, information).setRobustKernel(kernel);
   }
-  Options options = untilIterations(iterations);
+  Options options = bench::untilIterations(iterations);
   options.threads = 1;
   const Summary summary = optimize(graph, options);
   if (static_cast<int>(summary.iterations.size()) != iterations)
@@ -245,7 +158,7 @@ void compareSharing(int rounds, bench::JsonRows& json) {
   const Graph parameter = makeShared(registry, Sharing::parameter);
   const auto seconds = [](const Graph& start) {
     Graph graph(start);
-    return iterationSeconds(optimize(graph, untilIterations(8)));
+    return bench::iterationSeconds(optimize(graph, bench::untilIterations(8)));
   };
   for (const Sharing sharing : {Sharing::fixedVertex, Sharing::freeVertex}) {
     const Graph shared = makeShared(registry, sharing);
@@ -284,7 +197,7 @@ void compareSolvers(const std::string& file, const std::shared_ptr<const Registr
   double best = 0.0, chosen = 0.0;
   for (const char* solver : {"auto", "block", "pcg"}) {
     Graph graph = readGraph(file, registry, {.threads = threads});
-    Options options = untilIterations(3);
+    Options options = bench::untilIterations(3);
     options.linearSolver = solver;
     double seconds = 0.0;
     for (const IterationReport& report : optimize(graph, options).iterations) seconds += report.seconds.total;
@@ -330,13 +243,13 @@ void measureLarge(const std::filesystem::path& program, bench::JsonRows& json) {
   fmt::print(
       "{} cameras, {} points, {:.0f} observations: read in {:.2f} s, {} trial steps in {:.2f} s ({:.1f} ms each) "
       "with {}, chi2 {:.8g}, {}; {:.0f} bytes an observation above the {:.0f} MB after reading\n",
-      cameras, points, observations, loadSeconds, summary.iterations.size(), seconds, 1e3 * iterationSeconds(summary),
+      cameras, points, observations, loadSeconds, summary.iterations.size(), seconds, 1e3 * bench::iterationSeconds(summary),
       summary.plan.linearSolver, summary.finalChi2, toString(summary.status), bytes, 1e-6 * loaded);
   json.begin("simulated");
   json.add("observations", observations);
   json.add("load_seconds", loadSeconds);
   json.add("seconds", seconds);
-  json.add("iteration_seconds", iterationSeconds(summary));
+  json.add("iteration_seconds", bench::iterationSeconds(summary));
   json.add("iterations", static_cast<double>(summary.iterations.size()));
   json.add("chi2", summary.finalChi2);
   json.add("bytes_per_observation", bytes);
@@ -360,8 +273,12 @@ int main(int count, char** words) {
   }
   bench::JsonRows json;
   try {
-    measureLarge(words[0], json);  // first: the peak of a process never falls
-    comparePublished(arguments, json);
+    // Processes first: a child has none of the threads that its parent started. Then the large problem: the peak of a
+    // process never falls.
+    const std::vector<bench::PublishedWhole> wholes = bench::measureWholes(arguments.graphs, arguments.rounds);
+    measureLarge(words[0], json);
+    app::keepFreedMemory();
+    bench::comparePublished(arguments.graphs, wholes, arguments.rounds, json);
     compareMotion(arguments.rounds, json);
     compareSharing(arguments.rounds, json);
   } catch (const std::exception& error) {

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <limits>
 
+#include <quiver/apps/support/freed_memory.h>
 #include <quiver/quiver.h>
 
 #include "peers/blas.h"
@@ -24,6 +25,7 @@ constexpr double sameOptimum = 1e-6;
 /// Seconds of the median iteration of Levenberg–Marquardt with the first pose held, from the file's start.
 double quiverIteration(const Graph& start) {
   Graph graph(start);
+  bench::settle();
   const Summary summary = optimize(graph, {.maxIterations = timedIterations,
                                            .algorithm = "lm",
                                            .gauge = GaugePolicy::fix,
@@ -37,15 +39,21 @@ double quiverIteration(const Graph& start) {
 }
 
 double ceresIteration(const std::string& file) {
+  bench::settle();
   return bench::solveWithCeres(file, timedIterations, threads, false).iterationSeconds;
 }
 
-/// Seconds from starting a process to its end; it writes the chi2 that `work` returns.
+/// Seconds from starting a process to its end; it writes the chi2 that `work` returns. Its heap is that of the command,
+/// for either side.
 template <typename Work>
 double processSeconds(Work&& work, double& chi2) {
   bench::SeparateResult result;
-  const double seconds =
-      bench::secondsOf([&] { result = bench::inSeparateProcess([&] { return fmt::format("{:.17g}", work()); }); });
+  const double seconds = bench::secondsOf([&] {
+    result = bench::inSeparateProcess([&] {
+      app::keepFreedMemory();
+      return fmt::format("{:.17g}", work());
+    });
+  });
   chi2 = result.ok ? std::stod(result.text) : std::numeric_limits<double>::quiet_NaN();
   return seconds;
 }
@@ -119,6 +127,7 @@ int main(int count, char** words) {
   // Processes first: a child has none of the threads that its parent started.
   std::vector<Whole> wholes;
   for (const std::string& file : arguments.graphs) wholes.push_back(measureWhole(file, registry, arguments.rounds));
+  app::keepFreedMemory();
   fmt::print("{:<15} {:>10} {:>10} {:>7} | {:>11} {:>11} {:>7} {:>14} {:>14}\n", "graph", "iter ms", "Ceres ms",
              "ratio", "to optimum s", "Ceres s", "ratio", "chi2", "Ceres' chi2");
   for (std::size_t i = 0; i < arguments.graphs.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -57,6 +58,10 @@ double secondsOf(Work&& work) {
   work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
+
+/// Waits until threads of what ran before have gone to sleep: those of OpenMP look for work for some milliseconds, on
+/// cores that the next to be measured needs.
+inline void settle() { std::this_thread::sleep_for(std::chrono::milliseconds(20)); }
 
 /// Medians of two works that take turns, and the median of their ratios, so that a busy machine slows both.
 struct Pair {
