@@ -243,8 +243,9 @@ void measureLarge(const std::filesystem::path& program, bench::JsonRows& json) {
   fmt::print(
       "{} cameras, {} points, {:.0f} observations: read in {:.2f} s, {} trial steps in {:.2f} s ({:.1f} ms each) "
       "with {}, chi2 {:.8g}, {}; {:.0f} bytes an observation above the {:.0f} MB after reading\n",
-      cameras, points, observations, loadSeconds, summary.iterations.size(), seconds, 1e3 * bench::iterationSeconds(summary),
-      summary.plan.linearSolver, summary.finalChi2, toString(summary.status), bytes, 1e-6 * loaded);
+      cameras, points, observations, loadSeconds, summary.iterations.size(), seconds,
+      1e3 * bench::iterationSeconds(summary), summary.plan.linearSolver, summary.finalChi2, toString(summary.status),
+      bytes, 1e-6 * loaded);
   json.begin("simulated");
   json.add("observations", observations);
   json.add("load_seconds", loadSeconds);

@@ -122,9 +122,7 @@ std::vector<PublishedWhole> measureWholes([[maybe_unused]] std::span<const std::
               (void)optimize(graph, untilIterations(timedIterations));
             });
           },
-          [&] {
-            return processSeconds([&] { (void)solveBundleWithCeres(file, timedIterations, threads, sparse); });
-          });
+          [&] { return processSeconds([&] { (void)solveBundleWithCeres(file, timedIterations, threads, sparse); }); });
     };
     wholes.push_back({measure(false), measure(true)});
   }

@@ -1,5 +1,7 @@
 #include <quiver/solvers/assembly/lane_products.h>
 
+#include <utility>
+
 #include <quiver/core/problem/lane_records.h>
 #include <quiver/geometry/scalar/lanes.h>
 
@@ -13,50 +15,40 @@ using detail::storeRecords;
 
 constexpr int width = 8;
 
-/// Sizes as constants: every product stays in registers until a chunk of eight numbers is turned into records.
-template <typename L, int N, int D>
-inline void squareFixed(const double* J, const double* residual, double* const* out) {
-  constexpr int triangle = D * (D + 1) / 2;
-  constexpr int padded = LaneProducts::paddedSize(D);
-  L result[padded];
-  L r[N];
-  for (int k = 0; k < N; ++k) loadLanes(residual + k * width, r[k]);
-  L column[N * D];
-  for (int k = 0; k < N * D; ++k) loadLanes(J + k * width, column[k]);
-  for (int a = 0, at = 0; a < D; ++a) {
-    for (int b = a; b < D; ++b, ++at) {
-      L sum = column[a * N] * column[b * N];
-      for (int k = 1; k < N; ++k) sum += column[a * N + k] * column[b * N + k];
-      result[at] = sum;
-    }
-    L sum = column[a * N] * r[0];
-    for (int k = 1; k < N; ++k) sum += column[a * N + k] * r[k];
-    result[triangle + a] = sum;
+/// record[k] += Σ over lanes of in[k], k < Size, a multiple of eight.
+template <int Size, typename L>
+inline void addSums(const L* in, double* record) {
+  for (int k = 0; k < Size; ++k) {
+    double sum = in[k].v[0];
+    for (int i = 1; i < width; ++i) sum += in[k].v[i];
+    record[k] += sum;
   }
-  for (int k = triangle + D; k < padded; ++k) result[k] = L(0.0);
-  addRecords<padded>(result, out);
 }
 
-template <typename L, int N, int Da, int Db>
-inline void crossFixed(const double* A, const double* B, const std::int64_t* flip, double* const* out) {
-  L result[Da * Db];
-  L a[N * Da];
-  for (int k = 0; k < N * Da; ++k) loadLanes(A + k * width, a[k]);
-  for (int j = 0; j < Db; ++j) {
-    L b[N];
-    for (int k = 0; k < N; ++k) loadLanes(B + (j * N + k) * width, b[k]);
-    for (int i = 0; i < Da; ++i) {
-      L sum = a[i * N] * b[0];
-      for (int k = 1; k < N; ++k) sum += a[i * N + k] * b[k];
-      result[j * Da + i] = sum;
-    }
+#if QUIVER_NATIVE_LANES
+/// Eight sums at a time, by halving: 14 shuffles.
+template <int Size>
+QUIVER_TARGET_AVX512 inline void addSums(const Lanes<isa::Avx512>* in, double* record) {
+  using detail::Index8;
+  using detail::Native8;
+  const Index8 even = {0, 8, 2, 10, 4, 12, 6, 14}, odd = {1, 9, 3, 11, 5, 13, 7, 15};
+  const Index8 even2 = {0, 1, 8, 9, 4, 5, 12, 13}, odd2 = {2, 3, 10, 11, 6, 7, 14, 15};
+  const Index8 low = {0, 1, 2, 3, 8, 9, 10, 11}, high = {4, 5, 6, 7, 12, 13, 14, 15};
+  for (int k = 0; k < Size; k += width) {
+    Native8 r[width];
+    for (int i = 0; i < width; ++i) r[i] = *reinterpret_cast<const Native8*>(in[k + i].v);
+    Native8 two[4];
+    for (int i = 0; i < 4; ++i)
+      two[i] = __builtin_shuffle(r[2 * i], r[2 * i + 1], even) + __builtin_shuffle(r[2 * i], r[2 * i + 1], odd);
+    Native8 four[2];
+    for (int i = 0; i < 2; ++i)
+      four[i] =
+          __builtin_shuffle(two[2 * i], two[2 * i + 1], even2) + __builtin_shuffle(two[2 * i], two[2 * i + 1], odd2);
+    *reinterpret_cast<Native8*>(record + k) +=
+        __builtin_shuffle(four[0], four[1], low) + __builtin_shuffle(four[0], four[1], high);
   }
-  typename L::Mask flipped;
-  for (int i = 0; i < width; ++i) flipped.v[i] = flip[i];
-  L placed[Da * Db];
-  for (int k = 0; k < Da * Db; ++k) placed[k] = select(flipped, result[k % Db * Da + k / Db], result[k]);
-  storeRecords<Da * Db>(placed, out);
 }
+#endif
 
 /// Σ over k of x[k] y[k], columns of `rows` lane vectors.
 template <typename L>
@@ -72,6 +64,87 @@ inline L dot(const double* x, const double* y, int rows) {
     sum += u * v;
   }
   return sum;
+}
+
+/// Where entry `at` of an upper triangle of order D, row by row, followed by D numbers of a column of their own, lies.
+struct Entry {
+  int row;
+  int column;
+};
+template <int D>
+constexpr Entry entryAt(int at) {
+  int row = 0;
+  for (; row < D && at >= D - row; ++row) at -= D - row;
+  return row < D ? Entry{row, row + at} : Entry{at < D ? at : D, D};
+}
+
+/// Entry At of JᵀJ and Jᵀr of eight edges; zero behind the last.
+template <typename L, int N, int D, int At>
+inline L squareEntry(const double* J, const double* residual) {
+  constexpr Entry entry = entryAt<D>(At);
+  if constexpr (entry.row == D) return L(0.0);
+  const double* const x = J + entry.row * N * width;
+  const double* const y = entry.column < D ? J + entry.column * N * width : residual;
+  return dot<L>(x, y, N);
+}
+
+/// Sizes as constants: eight numbers of eight edges at a time stay in registers until they are turned into records.
+template <typename L, int N, int D>
+inline void squareFixed(const double* J, const double* residual, double* const* out) {
+  // Eight observations of one camera would each wait for the sum of the one before.
+  bool one = true;
+  for (int i = 1; i < width; ++i) one = one && out[i] == out[0];
+  const auto addEight = [&]<int First, int... I>(std::integral_constant<int, First>, std::integer_sequence<int, I...>) {
+    const L part[width] = {squareEntry<L, N, D, First + I>(J, residual)...};
+    if (one) {
+      addSums<width>(part, out[0] + First);
+      return;
+    }
+    double* records[width];
+    for (int i = 0; i < width; ++i) records[i] = out[i] + First;
+    addRecords<width>(part, records);
+  };
+  [&]<int... Chunk>(std::integer_sequence<int, Chunk...>) {
+    (addEight(std::integral_constant<int, Chunk * width>(), std::make_integer_sequence<int, width>()), ...);
+  }
+  (std::make_integer_sequence<int, LaneProducts::paddedSize(D) / width>());
+}
+
+/// AᵀB of eight edges column by column, or row by row, eight numbers at a time.
+template <typename L, int N, int Da, int Db, bool transposed>
+inline void crossOneWay(const double* A, const double* B, double* const* out) {
+  const auto storeSome = [&]<int First, int... I>(std::integral_constant<int, First>,
+                                                  std::integer_sequence<int, I...>) {
+    constexpr int inner = transposed ? Db : Da;
+    const L part[sizeof...(I)] = {dot<L>(A + (transposed ? (First + I) / inner : (First + I) % inner) * N * width,
+                                         B + (transposed ? (First + I) % inner : (First + I) / inner) * N * width,
+                                         N)...};
+    double* records[width];
+    for (int i = 0; i < width; ++i) records[i] = out[i] + First;
+    storeRecords<static_cast<int>(sizeof...(I))>(part, records);
+  };
+  constexpr int whole = Da * Db / width;
+  [&]<int... Chunk>(std::integer_sequence<int, Chunk...>) {
+    (storeSome(std::integral_constant<int, Chunk * width>(), std::make_integer_sequence<int, width>()), ...);
+  }
+  (std::make_integer_sequence<int, whole>());
+  if constexpr (Da * Db % width != 0)
+    storeSome(std::integral_constant<int, whole * width>(), std::make_integer_sequence<int, Da * Db % width>());
+}
+
+/// AᵀB of eight edges, transposed in the lanes that ask for it.
+template <typename L, int N, int Da, int Db>
+inline void crossFixed(const double* A, const double* B, const std::int64_t* flip, double* const* out) {
+  int flipped = 0;
+  for (int i = 0; i < width; ++i) flipped += flip[i] != 0 ? 1 : 0;
+  if (flipped == 0) return crossOneWay<L, N, Da, Db, false>(A, B, out);
+  if (flipped == width) return crossOneWay<L, N, Da, Db, true>(A, B, out);
+  alignas(64) double scrap[(Da * Db + width - 1) / width * width];
+  double* some[width];
+  for (int i = 0; i < width; ++i) some[i] = flip[i] != 0 ? scrap : out[i];
+  crossOneWay<L, N, Da, Db, false>(A, B, some);
+  for (int i = 0; i < width; ++i) some[i] = flip[i] != 0 ? out[i] : scrap;
+  crossOneWay<L, N, Da, Db, true>(A, B, some);
 }
 
 template <typename L>

@@ -13,8 +13,8 @@ namespace quiver {
 /// A block is `rows` × `columns`, column-major in lanes (Panel's layout, at the group's first number).
 class LaneProducts {
  public:
-  /// Adds for every edge i the upper triangle of JᵀJ, row by row, then Jᵀr, to out[i], edge after edge; out[i] has
-  /// paddedSize(columns) numbers, and several edges may share one.
+  /// Adds for every edge i the upper triangle of JᵀJ, row by row, then Jᵀr, to out[i], which has paddedSize(columns)
+  /// numbers. Several edges may share one: they are added edge after edge, or, if all eight do, as one sum.
   using Square = void (*)(const double* J, const double* residual, int rows, int columns, double* const* out);
   /// Writes for every edge i the columnsA × columnsB block AᵀB, or its transpose where flip[i] is −1 and not 0,
   /// column-major to out[i].
