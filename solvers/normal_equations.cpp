@@ -132,8 +132,12 @@ bool NormalEquations::applyInverse(std::span<double> b) {
 }
 
 void NormalEquations::loadGradient() {
-  toBlocks(gradient_, blockVector_);
-  for (double& value : blockVector_) value = -value;
+  for (std::size_t block = 0; block < order_.size(); ++block) {
+    const int variable = order_[block];
+    const double* const from = gradient_.data() + problem_->offset(variable);
+    double* const to = blockVector_.data() + matrix_.layout().offset(static_cast<int>(block));
+    for (int i = 0; i < problem_->dimension(variable); ++i) to[i] = -from[i];
+  }
 }
 
 LinearOutcome NormalEquations::outcomeOf(const SolverStatus& status) const {

@@ -306,17 +306,15 @@ void Problem::retract(std::span<const double> delta) {
 }
 
 double Problem::stateNorm() const {
-  // What pads records is zero.
-  if (variables() == slots()) {
-    const double* const values = state_.data();
-    return std::sqrt(
-        sumInLanes(static_cast<std::size_t>(layout_.size()), [&](std::size_t i) { return values[i] * values[i]; }));
-  }
+  // Slots between two fixed ones follow each other, and what pads records is zero.
   double sum = 0.0;
-  for (int variable = 0; variable < variables(); ++variable) {
-    const int slot = slotOfVariable(variable);
-    const double* values = state_.record(slot);
-    for (int i = 0; i < layout_.valueCount(slot); ++i) sum += values[i] * values[i];
+  for (int begin = 0, end = 0; begin < variables(); begin = end) {
+    const int first = slotOfVariable(begin);
+    for (end = begin + 1; end < variables() && slotOfVariable(end) == first + end - begin;) ++end;
+    const int last = first + end - begin - 1;
+    const double* const values = state_.record(first);
+    const std::ptrdiff_t count = state_.record(last) + layout_.valueCount(last) - values;
+    sum += sumInLanes(static_cast<std::size_t>(count), [&](std::size_t i) { return values[i] * values[i]; });
   }
   return std::sqrt(sum);
 }
