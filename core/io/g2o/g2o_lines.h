@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <quiver/core/graph/bulk_adder.h>
@@ -65,10 +65,12 @@ class TagTable {
   const ElementType& elementType(const TagEntry& entry) const;
 
  private:
+  /// Unless there is an entry for the tag.
+  void add(std::string_view tag, const TagEntry& entry);
   void addToroTag(std::string_view tag, std::string_view g2oTag, LineDialect dialect);
 
   const Registry& registry_;
-  std::unordered_map<std::string_view, TagEntry> entries_;
+  std::vector<std::pair<std::string_view, TagEntry>> entries_;  // by tag
 };
 
 /// One line that is not blank.

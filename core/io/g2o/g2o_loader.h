@@ -50,8 +50,8 @@ class G2oLoader {
 
   const SourceText& source_;
   const ReadOptions& options_;
-  TagTable tags_;
   int threads_;
+  TagTable tags_;
   Graph graph_;
   std::vector<G2oChunk> chunks_;
 };
