@@ -63,6 +63,13 @@ double secondsOf(Work&& work) {
 /// cores that the next to be measured needs.
 inline void settle() { std::this_thread::sleep_for(std::chrono::milliseconds(20)); }
 
+/// Neither side pays for what the other has freed: the C library joins small freed blocks at the next large allocation.
+inline void joinFreedBlocks() {
+  constexpr std::size_t large = std::size_t{1} << 16;
+  const std::vector<char> block(large);
+  [[maybe_unused]] const volatile char* const kept = block.data();
+}
+
 /// Medians of two works that take turns, and the median of their ratios, so that a busy machine slows both.
 struct Pair {
   double ours = 0.0;
@@ -75,7 +82,9 @@ Pair comparePairs(int rounds, Ours&& ours, Theirs&& theirs) {
   std::vector<double> b;
   std::vector<double> ratios;
   for (int round = 0; round < rounds; ++round) {
+    joinFreedBlocks();
     a.push_back(ours());
+    joinFreedBlocks();
     b.push_back(theirs());
     ratios.push_back(b.back() / a.back());
   }
