@@ -20,6 +20,7 @@
 #include <quiver/apps/support/output.h>
 #include <quiver/apps/support/standard_streams.h>
 #include <quiver/core/algorithm/gauge.h>
+#include <quiver/core/algorithm/memory_estimate.h>
 #include <quiver/core/algorithm/optimizer.h>
 #include <quiver/types_sba/depth.h>
 #include <quiver/version.h>
@@ -131,6 +132,7 @@ Json describePlan(Graph graph, int threads) {
   options.threads = threads;
   Optimizer optimizer(options);
   const InitialGuess guess = makeInitialGuess(graph, "auto", optimizer);
+  const std::int64_t bytes = estimateMemory(graph, options);  // what --memory-limit must allow
   const Summary& summary = optimizer.optimize(graph);
   const SolvePlan& plan = summary.plan;
   return {{"initial_guess", guess.name},
@@ -149,7 +151,7 @@ Json describePlan(Graph graph, int threads) {
           {"scalars", plan.scalars},
           {"factor_nonzeros", plan.factorNonzeros},
           {"factor_flops", plan.factorFlops},
-          {"bytes", plan.bytes}};
+          {"bytes", bytes}};
 }
 
 /// Nothing where no camera sees anything.

@@ -9,6 +9,8 @@
 #include <quiver/core/algorithm/optimizer.h>
 #include <quiver/core/problem/problem.h>
 #include <quiver/core/util/error.h>
+#include <quiver/core/util/stop_condition.h>
+#include <quiver/core/util/stopwatch.h>
 #include <quiver/initialization/chordal.h>
 #include <quiver/initialization/pose_graph.h>
 #include <quiver/initialization/spanning_tree.h>
@@ -70,6 +72,8 @@ AutomaticStart automaticStart(Graph& graph, const Options& options) {
 
 AutomaticStart automaticStart(Graph& graph, Optimizer& optimizer) {
   const Options& options = optimizer.options();
+  const Stopwatch watch;
+  const StopCondition stop(options.timeLimit, options.stopToken);
   bool complete = true;
   std::as_const(graph).forEachVertex([&](const Vertex& vertex) { complete = complete && vertex.hasEstimate(); });
   AutomaticStart start{complete ? "file" : "tree",
@@ -81,24 +85,39 @@ AutomaticStart automaticStart(Graph& graph, Optimizer& optimizer) {
   if (options.memoryLimit > 0 && estimateCompilation(graph, options) > options.memoryLimit) return start;
   Problem& problem = optimizer.compile(graph);
   const double before = start.firstChi2 = chi2Of(problem);
-  if (const std::int64_t redundant = redundancy(problem); before <= static_cast<double>(redundant)) {
+  const auto redundant = static_cast<double>(redundancy(problem));
+  if (before <= redundant) {
     start.reason += fmt::format(": chi2 {:.6g} is within the noise of {} redundant measurements", before, redundant);
     return start;
   }
-  Estimates saved(graph);
-  try {
-    const std::string chordal = chordalEstimate(graph, options);
-    problem.refresh();
-    const double after = chi2Of(problem);
-    if (after < before) {
-      return {"chordal", fmt::format("{}: chi2 {:.6g}, lower than {:.6g} of {}", chordal, after, before, start.reason),
-              before};
+  const auto remaining = [&] {
+    Options rest = options;
+    rest.timeLimit -= watch.seconds();
+    return rest;
+  };
+  double lowest = before;
+  const auto consider = [&](const char* name, const Initializer& initializer) {
+    if (stop.reached()) return;
+    Estimates saved(graph);
+    try {
+      const std::string words = initializer(graph, remaining());
+      problem.refresh();
+      const double after = chi2Of(problem);
+      if (after < lowest) {
+        start = {name, fmt::format("{}: chi2 {:.6g}, lower than {:.6g} of {}", words, after, lowest, start.reason),
+                 before};
+        lowest = after;
+        return;
+      }
+    } catch (const GraphError&) {
+      // No such start for this graph: not an error, the other one stands.
     }
-  } catch (const GraphError&) {
-    // No chordal start for this graph: not an error, the other one stands.
-  }
-  std::as_const(graph).forEachVertex([&](const Vertex& vertex) { const_cast<Vertex&>(vertex).setHasEstimate(true); });
-  saved.restore();
+    std::as_const(graph).forEachVertex([&](const Vertex& vertex) { const_cast<Vertex&>(vertex).setHasEstimate(true); });
+    saved.restore();
+  };
+  consider("chordal", chordalEstimate);
+  if (const Initializer* points = graph.registry()->findInitializer("points"); points && lowest > redundant)
+    consider("points", *points);
   return start;
 }
 

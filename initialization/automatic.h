@@ -12,7 +12,7 @@ class Optimizer;
 
 /// A start that was chosen among several.
 struct AutomaticStart {
-  /// "file", "tree" or "chordal".
+  /// "file", "tree", "chordal" or "points".
   std::string name;
   /// A sentence for the summary.
   std::string reason;
@@ -21,9 +21,10 @@ struct AutomaticStart {
 };
 
 /// The best start at hand: the graph's own estimates if every vertex has one, else a spanning tree's; and chordal
-/// relaxation's instead where its chi2 is lower. A start that explains all measurements within their noise already
-/// (chi2 at most the number of redundant ones) is kept without looking further, and so is that of a graph without
-/// relative poses. Throws GraphError if an edge cannot tell a vertex that has no estimate.
+/// relaxation's, or what the registry's initialiser "points" makes of the better one, where chi2 is lower. A start that
+/// explains all measurements within their noise already (chi2 at most the number of redundant ones) is kept without
+/// looking further, and so is that of a graph without relative poses. Throws GraphError if an edge cannot tell a vertex
+/// that has no estimate.
 AutomaticStart automaticStart(Graph& graph, const Options& options = {});
 /// The same; what is compiled to compare starts is left in the optimizer, which solves next.
 AutomaticStart automaticStart(Graph& graph, Optimizer& optimizer);

@@ -166,6 +166,7 @@ void solveTranslations(PoseGraph<D>& poses, int threads, std::vector<int>& order
 /// Estimates all poses of one kind; the number of them.
 template <int D>
 std::int64_t estimatePoses(Graph& graph, const Options& options) {
+  const StopCondition stop(options.timeLimit, options.stopToken);
   PoseGraph<D> poses = readPoseGraph<D>(graph, options);
   const std::int64_t count = static_cast<std::int64_t>(poses.vertices.size());
   if (poses.components > 1) {
@@ -182,8 +183,8 @@ std::int64_t estimatePoses(Graph& graph, const Options& options) {
   }
   if (std::find(poses.held.begin(), poses.held.end(), 0) != poses.held.end()) {
     const int threads = options.threads > 0 ? options.threads : hardwareThreads();
-    const StopCondition stop(options.timeLimit, options.stopToken);
     std::vector<int> order;
+    if (stop.reached()) throw GraphError("chordal initialisation: the time is over");  // before the ordering
     solveRotations(poses, threads, order, stop);
     solveTranslations(poses, threads, order, stop);
   }

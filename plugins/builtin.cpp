@@ -13,6 +13,7 @@
 #include <quiver/solvers/backends/power_solver.h>
 #include <quiver/types_sba/register.h>
 #include <quiver/types_slam2d/register.h>
+#include <quiver/types_slam3d/measured_points.h>
 #include <quiver/types_slam3d/register.h>
 
 namespace quiver {
@@ -54,8 +55,8 @@ void registerLinearSystems(Registry& registry) {
 
 void registerInitializers(Registry& registry) {
   registry.addInitializer("auto",
-                          "The file's estimates where every vertex has one, else a tree; chordal where its chi2 is "
-                          "lower.",
+                          "The file's estimates where every vertex has one, else a tree; chordal or points where "
+                          "their chi2 is lower.",
                           automaticEstimate);
   registry.addInitializer("tree", "Dead reckoning along the paths that accumulate the least variance.",
                           spanningTreeEstimate);
@@ -63,6 +64,10 @@ void registerInitializers(Registry& registry) {
   registry.addInitializer("chordal",
                           "Rotations as free matrices by a linear problem, then translations by another; poses only.",
                           chordalEstimate);
+  registry.addInitializer("points",
+                          "Optimises pixels with depths or disparities as the points they measure, from the estimates "
+                          "at hand.",
+                          measuredPointsEstimate);
 }
 
 std::shared_ptr<Registry> builtinRegistry() {

@@ -49,7 +49,9 @@ void NormalEquations::analyze(const Problem& problem, const Options& options, in
   if (choose_) {
     chooseSolver(natural);
   } else {
-    plan_.linearSolverReason = "as asked";
+    plan_.linearSolverReason = solver_->name() == "power"
+                                   ? "as asked, though nothing is eliminated: pcg needs far fewer products"
+                                   : "as asked";
   }
   BlockOrdering ordering = solver_->order(natural);
   order_ = std::move(ordering.order);
@@ -60,10 +62,11 @@ void NormalEquations::analyze(const Problem& problem, const Options& options, in
   plan_.linearSolver = solver_->name();
   plan_.ordering = ordering.name;
   plan_.scalars = layout.scalars();
-  plan_.bytes = predictSolverBytes(*solver_, *pattern) + 2 * matrixNumbers(*pattern) * 8 + problem.edges() * edgeBytes;
-  if (options.memoryLimit > 0 && estimateCompilation(problem.graph(), options) + plan_.bytes > options.memoryLimit) {
-    plan_.exceedsMemory = true;
-    return;
+  const std::int64_t beside = 2 * matrixNumbers(*pattern) * 8 + problem.edges() * edgeBytes;
+  if (options.memoryLimit > 0) {
+    plan_.bytes = predictSolverBytes(*solver_, *pattern, threads) + beside;
+    plan_.exceedsMemory = estimateCompilation(problem.graph(), options) + plan_.bytes > options.memoryLimit;
+    if (plan_.exceedsMemory) return;
   }
   matrix_ = BlockMatrix(pattern);
   solver_->analyze(pattern, threads);
@@ -78,7 +81,7 @@ void NormalEquations::analyze(const Problem& problem, const Options& options, in
   const FactorStatistics statistics = solver_->statistics();
   plan_.factorNonzeros = statistics.nonzeros;
   plan_.factorFlops = statistics.flops;
-  plan_.bytes = statistics.bytes + 2 * matrixNumbers(*pattern) * 8 + problem.edges() * edgeBytes;
+  plan_.bytes = statistics.bytes + beside;
 }
 
 CostTotals NormalEquations::linearize(const State& state) {

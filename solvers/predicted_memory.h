@@ -10,7 +10,7 @@ namespace quiver {
 std::int64_t matrixNumbers(const BlockPattern& pattern);
 
 /// Bytes that a linear solver is going to hold for a matrix of that pattern, which is in the solver's order; the matrix
-/// itself not counted. O(blocks of the factor).
-std::int64_t predictSolverBytes(const LinearSolver& solver, const BlockPattern& pattern);
+/// itself not counted. As long as an analysis for so many threads.
+std::int64_t predictSolverBytes(const LinearSolver& solver, const BlockPattern& pattern, int threads);
 
 }  // namespace quiver

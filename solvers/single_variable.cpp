@@ -126,7 +126,8 @@ void SingleVariable::compute(const State& state, Equations& equations) {
 
 void SingleVariable::sumPiece(const State& state, Piece& piece, double* sums, Workspace& work) const {
   const EdgeBatch& batch = problem_->batch(piece.batch);
-  const Panel& panel = work.panels[static_cast<std::size_t>(piece.batch)].panel();
+  Panel panel = work.panels[static_cast<std::size_t>(piece.batch)].panel();
+  panel.weighed = false;  // sums weigh
   const int step = batch.uniform() ? Panel::capacity : 1;
   PanelTotals totals(piece.batch);
   EdgeShape own;
@@ -146,18 +147,20 @@ void SingleVariable::sumPanel(const Piece& piece, int first, int count, const Ed
   const Role& known = roles_[static_cast<std::size_t>(piece.batch)];
   const auto sum = known.sum ? known.sum : LaneProducts::sum(set_, shape.rows, dimension_);
   const int groups = (count + lanes - 1) / lanes;
-  const int block = shape.rows * dimension_ * lanes;
+  double weights[Panel::capacity] = {};  // lanes without an edge add nothing
   for (int role = 0; role < static_cast<int>(shape.columns.size()); ++role) {
     if (known.common >= 0 && role != known.common) continue;
     bool any = known.common >= 0;
-    for (int i = any ? count : 0; i < groups * lanes; ++i) {
-      const bool counts = i < count && (known.common >= 0 || roleOf(piece.batch, first + i) == role);
-      any = any || counts;
-      // Edges that do not join the variable in this role, and lanes without an edge, add nothing.
-      for (int k = 0; !counts && shape.columns[static_cast<std::size_t>(role)] == dimension_ && k < block; k += lanes)
-        panel.jacobian[role][i / lanes * block + k + i % lanes] = 0.0;
+    if (any) {
+      std::copy_n(panel.weight, count, weights);
+    } else {
+      for (int i = 0; i < count; ++i) {
+        const bool joins = roleOf(piece.batch, first + i) == role;
+        weights[i] = joins ? panel.weight[i] : 0.0;
+        any = any || joins;
+      }
     }
-    if (any) sum(panel.jacobian[role], panel.residual, shape.rows, dimension_, groups, sums);
+    if (any) sum(panel.jacobian[role], panel.residual, weights, shape.rows, dimension_, groups, sums);
   }
 }
 

@@ -127,13 +127,16 @@ void printResiduals(const Json& json) {
 }
 
 void printFreedom(const Json& json) {
-  for (const Json& gauge : json["gauge"]) {
+  constexpr std::size_t shown = 8;
+  const Json& gauges = json["gauge"];
+  for (std::size_t i = 0; i < std::min(shown, gauges.size()); ++i) {
+    const Json& gauge = gauges[i];
     printLine("gauge",
               fmt::format("{} free directions in a component of {} unknown vertices{}", gauge["free_directions"].dump(),
                           gauge["vertices"].dump(), gauge["tested"].get<bool>() ? "" : " (not all could be tested)"));
   }
+  if (gauges.size() > shown) printLine("", fmt::format("and {} more components", gauges.size() - shown));
   if (!json.contains("unconstrained") || json["unconstrained"].empty()) return;
-  constexpr std::size_t shown = 8;
   const Json& loose = json["unconstrained"];
   printLine("loose", fmt::format("{} vertices have directions in which no edge holds them", loose.size()));
   for (std::size_t i = 0; i < std::min(shown, loose.size()); ++i) {

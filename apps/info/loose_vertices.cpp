@@ -30,9 +30,9 @@ class DiagonalBlocks {
 
  private:
   void addBatch(const EdgeBatch& batch) {
-    PanelBuffer buffer(batch.largestShape());
-    const Panel& panel = buffer.panel();
     const int step = batch.uniform() ? Panel::capacity : 1;
+    PanelBuffer buffer(batch.largestShape(), true, step);
+    const Panel& panel = buffer.panel();
     std::vector<std::int32_t> list;
     for (int begin = 0; begin < batch.size(); begin += step) {
       list.resize(static_cast<std::size_t>(std::min(step, batch.size() - begin)));

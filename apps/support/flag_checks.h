@@ -76,7 +76,7 @@ CLI::Validator wholeNumber(Integer least, Integer most = std::numeric_limits<Int
         const char* const end = word.data() + word.size();
         const auto [rest, error] = std::from_chars(word.data(), end, value);
         if (error != std::errc() || rest != end || value < least || value > most) {
-          const bool open = most == std::numeric_limits<Integer>::max();
+          const bool open = most == std::numeric_limits<Integer>::max() && error != std::errc::result_out_of_range;
           return fmt::format("'{}' is no whole number {}", word,
                              open ? fmt::format("of at least {}", least) : fmt::format("from {} to {}", least, most));
         }

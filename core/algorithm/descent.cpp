@@ -61,10 +61,12 @@ bool Descent::begin() {
     return false;
   }
   if (!measureGradient()) return false;
-  firstGradient_ = gradient_;
-  firstScaledGradient_ = scaledGradient_;
-  if (firstGradient_ == 0.0) {
+  if (gradient_ == 0.0) {
     finish(Status::converged, "the gradient is zero at the start");
+    return false;
+  }
+  if (costIsRounding()) {
+    finish(Status::converged, "the cost at the start is what rounding makes of zero");
     return false;
   }
   return true;
@@ -92,7 +94,7 @@ bool Descent::exhausted() {
       return true;
     case StopCondition::Reason::timeLimit:
       finish(Status::timeLimit,
-             ShortText("the time limit of {} s is reached; the best estimate so far is kept", options_.timeLimit));
+             ShortText("the time limit of {:.3g} s is reached; the best estimate so far is kept", options_.timeLimit));
       return true;
     case StopCondition::Reason::none:
       break;
@@ -173,21 +175,54 @@ bool Descent::stopRuleMet(double costBefore) {
                                         change / totals_.cost, options_.costTolerance));
     return true;
   }
-  const double gradient = scaledGradient_ / firstScaledGradient_;
+  if (costIsRounding()) {
+    finish(Status::converged, "the cost is what rounding makes of zero");
+    return true;
+  }
+  // Relative to the first gradient it would be met far from the optimum whenever one error was huge at the start.
+  const double gradient = scaledGradient_ / std::sqrt(std::abs(totals_.cost));
   if (gradient < options_.gradientTolerance) {
-    finish(Status::converged, ShortText("the gradient is {:.2e} of the first, less than {:.0e} is asked", gradient,
+    finish(Status::converged, ShortText("the gradient is {:.2e} of the residual, less than {:.0e} is asked", gradient,
                                         options_.gradientTolerance));
     return true;
   }
-  // Far from the origin, small parts of ‖x‖ are long steps: the cost must have come to rest too, if it is asked.
-  const double atRest = std::max(totals_.cost, 1e-6 * summary_.initialCost);
-  const bool moves = options_.costTolerance > 0.0 && change > 100.0 * options_.costTolerance * atRest;
-  if (relativeStep_ < options_.stepTolerance && !moves) {
+  if (relativeStep_ < options_.stepTolerance && costRests(change)) {
     finish(Status::converged, ShortText("the step is {:.2e} of the estimate, less than {:.0e} is asked", relativeStep_,
                                         options_.stepTolerance));
     return true;
   }
   return false;
+}
+
+/// Far from the origin, small parts of ‖x‖ are long steps, and damped ones may be short anywhere: with a short step the
+/// cost must have come to rest too, if it is asked, within the tolerance or, after a full step, within rounding.
+bool Descent::costRests(double change) const {
+  if (options_.costTolerance == 0.0) return true;
+  if (damping_ > 0.0) return change <= options_.costTolerance * totals_.cost;
+  return change <= std::max(100.0 * options_.costTolerance * totals_.cost, 2.0 * std::sqrt(totals_.cost * roundings()));
+}
+
+bool Descent::costIsRounding() const {
+  constexpr double negligible = 1e-6;  // squared standard deviations an edge: in statistics nothing
+  return options_.costTolerance > 0.0 && totals_.cost <= negligible * static_cast<double>(problem_.edges()) &&
+         totals_.cost <= roundings();
+}
+
+double Descent::roundings() const {
+  const auto diagonal = system_.diagonal();
+  double sum = 0.0;  // Σ Hᵢᵢ x², x the largest number of the vertex
+  for (int variable = 0; variable < problem_.variables(); ++variable) {
+    const int slot = problem_.slotOfVariable(variable);
+    const double* const values = problem_.state().record(slot);
+    double largest = 0.0;
+    for (int i = 0; i < problem_.layout().valueCount(slot); ++i) largest = std::max(largest, std::abs(values[i]));
+    const auto offset = static_cast<std::size_t>(problem_.offset(variable));
+    for (int i = 0; i < problem_.dimension(variable); ++i)
+      sum += diagonal[offset + static_cast<std::size_t>(i)] * largest * largest;
+  }
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  constexpr double onTheWay = 10.0;  // roundings from an estimate to an error, about, squared
+  return onTheWay * epsilon * epsilon * sum;
 }
 
 void Descent::finish(Status status, std::string_view reason) {
@@ -206,7 +241,8 @@ void Descent::fail(const LinearOutcome& outcome) {
     stopMidway();
     return;
   }
-  finish(Status::numericalFailure, diagnoseFailure(problem_, system_, outcome));
+  finish(Status::numericalFailure,
+         diagnoseFailure(problem_, system_, outcome, summary_.plan.algorithm.ends_with("lm")));
 }
 
 void Descent::stopMidway() {

@@ -60,13 +60,18 @@ class Descent {
   std::vector<double>& scratch(int number);
   const Options& options() const { return options_; }
   const StopCondition& stop() const { return stop_; }
-  void setDamping(double damping) { report_.damping = damping; }
+  void setDamping(double damping) { report_.damping = damping_ = damping; }
   void setLinearIterations(int iterations) { report_.linearIterations = iterations; }
   bool ended() const { return ended_; }
 
  private:
   void emitReport(bool accepted);
   bool stopRuleMet(double costBefore);
+  /// Whether the cost is what the rounding of estimates makes of errors that are zero.
+  bool costIsRounding() const;
+  bool costRests(double change) const;
+  /// What rounding of estimates makes of a cost of zero, about: Σ Hᵢᵢ (εx)². O(scalars).
+  double roundings() const;
   /// The gradient where the system was linearised last; false, and the end, if it is not finite.
   bool measureGradient();
   std::string describeBadEdge(const CostTotals& totals) const;
@@ -83,12 +88,11 @@ class Descent {
   bool rejected_ = false;
   /// A step was accepted and has no report yet.
   bool unreported_ = false;
-  double firstGradient_ = 0.0;
-  double firstScaledGradient_ = 0.0;
   /// ‖g‖∞ at the estimate kept, and the largest |gᵢ|/√Hᵢᵢ, which does not depend on units.
   double gradient_ = 0.0;
   double scaledGradient_ = 0.0;
   double relativeStep_ = 0.0;
+  double damping_ = 0.0;
   IterationReport report_;
   Stopwatch watch_;
   bool ended_ = false;

@@ -75,7 +75,9 @@ std::vector<std::string> looseDirections(const Problem& problem, const LinearSys
   for (int i = 0; i < eigen.eigenvalues().size(); ++i) {
     if (eigen.eigenvalues()[i] > 1e-12) continue;
     const Eigen::VectorXd direction = (inverse.asDiagonal() * eigen.eigenvectors().col(i)).normalized();
-    loose.push_back(describeDirection(direction, names));
+    std::string words = describeDirection(direction, names);
+    // One edge far heavier than the others leaves many directions that differ by little.
+    if (std::find(loose.begin(), loose.end(), words) == loose.end()) loose.push_back(std::move(words));
   }
   return loose;
 }
@@ -145,7 +147,7 @@ std::vector<std::string> directionsOf(const Problem& problem, const std::vector<
 
 /// What the null vectors of H say, for vertex types that supply no generators and for weak spots that are no gauge;
 /// empty if there are none.
-std::string describeNullSpace(const Problem& problem, LinearSystem& system) {
+std::string describeNullSpace(const Problem& problem, LinearSystem& system, std::string_view damping) {
   const NullSpace space = findNullSpace(problem, system, {});
   if (space.directions.empty()) return {};
   const auto diagonal = system.diagonal();
@@ -155,18 +157,19 @@ std::string describeNullSpace(const Problem& problem, LinearSystem& system) {
   const int slot = problem.slotOfVariable(movement.anchor);
   const std::size_t others = movement.variables.size() - 1;
   return fmt::format(
-      "vertex {} ({}) is not constrained in: {}{}; the system has {} null direction{}; {}; add measurements, fix it "
-      "with --fix {}, or use --algorithm lm",
+      "vertex {} ({}) is not constrained in: {}{}; the system has {} null direction{}; {}; add measurements, or fix it "
+      "with --fix {}{}",
       problem.vertex(slot).id(), problem.vertexType(slot).tag(),
       join(directionsOf(problem, scale, space, movement.anchor)),
       others == 0 ? "" : fmt::format(", moving together with {} other vert{}", others, others == 1 ? "ex" : "ices"),
       space.directions.size(), space.directions.size() == 1 ? "" : "s", describeEdges(problem, slot),
-      problem.vertex(slot).id());
+      problem.vertex(slot).id(), damping);
 }
 
 }  // namespace
 
-std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const LinearOutcome& outcome) {
+std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const LinearOutcome& outcome, bool damped) {
+  const std::string_view damping = damped ? "" : ", or use --algorithm lm";
   if (outcome.kind == LinearOutcome::Kind::memoryLimit)
     return "the linear solver would need more memory than it may use";
   if (outcome.kind == LinearOutcome::Kind::notConverged) {
@@ -191,10 +194,9 @@ std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const 
     const std::vector<std::string> loose = looseDirections(problem, system, variable);
     if (loose.empty()) continue;
     const int slot = problem.slotOfVariable(variable);
-    return fmt::format(
-        "vertex {} ({}) is not constrained in {} direction{}: {}; {}; add a measurement, fix it, or use --algorithm lm",
-        problem.vertex(slot).id(), problem.vertexType(slot).tag(), loose.size(), loose.size() == 1 ? "" : "s",
-        join(loose), describeEdges(problem, slot));
+    return fmt::format("vertex {} ({}) is not constrained in {} direction{}: {}; {}; add a measurement, or fix it{}",
+                       problem.vertex(slot).id(), problem.vertexType(slot).tag(), loose.size(),
+                       loose.size() == 1 ? "" : "s", join(loose), describeEdges(problem, slot), damping);
   }
   for (const ComponentGauge& gauge : findGauges(problem)) {
     if (gauge.free == 0) continue;
@@ -202,27 +204,28 @@ std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const 
     return fmt::format(
         "a component of {} vertices may move as a whole in {} directions, since nothing ties it to the world: fix "
         "vertex {} ({}; {}) "
-        "with --fix {}, or use --gauge fix or --algorithm lm",
+        "with --fix {}, or use --gauge fix{}",
         gauge.variables.size(), gauge.free, problem.vertex(slot).id(), problem.vertexType(slot).tag(),
-        join(problem.vertexType(slot).tangentNames(problem.dimension(gauge.anchor))), problem.vertex(slot).id());
+        join(problem.vertexType(slot).tangentNames(problem.dimension(gauge.anchor))), problem.vertex(slot).id(),
+        damping);
   }
-  if (std::string found = describeNullSpace(problem, system); !found.empty()) return found;
+  if (std::string found = describeNullSpace(problem, system, damping); !found.empty()) return found;
   if (outcome.variable < 0) return "the linear system is not positive definite";
   const int slot = problem.slotOfVariable(outcome.variable);
   const std::vector<std::string> names = problem.vertexType(slot).tangentNames(problem.dimension(outcome.variable));
   return fmt::format(
       "the linear system is not positive definite: at vertex {} ({}), direction {}, the pivot is {:.3g}; together with "
       "its neighbours it "
-      "is not constrained there; {}; add measurements, or use --algorithm lm",
+      "is not constrained there; {}; add measurements{}",
       problem.vertex(slot).id(), problem.vertexType(slot).tag(),
       outcome.coordinate >= 0 ? names[static_cast<std::size_t>(outcome.coordinate)] : "unknown", outcome.pivot,
-      describeEdges(problem, slot));
+      describeEdges(problem, slot), damping);
 }
 
 std::string describeBadJacobian(const Problem& problem) {
   for (int b = 0; b < problem.batches(); ++b) {
     const EdgeBatch& batch = problem.batch(b);
-    PanelBuffer buffer(batch.largestShape());
+    PanelBuffer buffer(batch.largestShape(), true, 1);
     for (std::int32_t i = 0; i < batch.size(); ++i) {
       batch.linearize(problem.state(), {&i, 1}, buffer.panel());
       const EdgeShape shape = batch.shape(i);

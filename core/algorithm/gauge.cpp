@@ -174,7 +174,7 @@ bool clearlyHeld(const Problem& problem) {
   const EdgeShape shape = batch.largestShape();
   const int count = std::min(batch.size(), few);
   const int dimension = problem.dimension(0);
-  PanelBuffer buffer(shape);
+  PanelBuffer buffer(shape, true, few);
   std::int32_t ids[few];
   std::iota(ids, ids + count, 0);
   batch.linearize(problem.state(), {ids, static_cast<std::size_t>(count)}, buffer.panel());
@@ -278,6 +278,63 @@ std::vector<ComponentGauge> findGauges(const Problem& problem) {
       gauges[i].holds = detail::chooseHolds(problem, gauges[i], products[i].gram, unseen, generators, begin);
   }
   return gauges;
+}
+
+namespace {
+
+/// Jᵀr and diag(JᵀJ) of the held slots, a direction after the other.
+struct HeldGradient {
+  std::vector<std::vector<double>> gradient;
+  std::vector<std::vector<double>> diagonal;
+
+  void add(std::size_t hold, const double* J, const double* residual, int rows, int columns) {
+    gradient[hold].resize(static_cast<std::size_t>(columns), 0.0);
+    diagonal[hold].resize(static_cast<std::size_t>(columns), 0.0);
+    for (int c = 0; c < columns; ++c) {
+      for (int r = 0; r < rows; ++r) {
+        const double entry = J[(c * rows + r) * Panel::lanes];
+        gradient[hold][static_cast<std::size_t>(c)] += entry * residual[r * Panel::lanes];
+        diagonal[hold][static_cast<std::size_t>(c)] += entry * entry;
+      }
+    }
+  }
+};
+
+}  // namespace
+
+bool holdsBite(const Problem& problem, std::span<const HeldSlot> holds, double cost) {
+  std::vector<int> holdOf(static_cast<std::size_t>(problem.slots()), -1);
+  for (std::size_t i = 0; i < holds.size(); ++i) holdOf[static_cast<std::size_t>(holds[i].slot)] = static_cast<int>(i);
+  HeldGradient sums{std::vector<std::vector<double>>(holds.size()), std::vector<std::vector<double>>(holds.size())};
+  for (int b = 0; b < problem.batches(); ++b) {
+    const EdgeBatch& batch = problem.batch(b);
+    PanelBuffer buffer(batch.largestShape(), true, 1);
+    for (std::int32_t i = 0; i < batch.size(); ++i) {
+      const auto slots = batch.slots(i);
+      const auto held = [&](std::int32_t slot) { return holdOf[static_cast<std::size_t>(slot)] >= 0; };
+      if (std::none_of(slots.begin(), slots.end(), held)) continue;
+      batch.linearize(problem.state(), {&i, 1}, buffer.panel());
+      const EdgeShape shape = batch.shape(i);
+      for (std::size_t role = 0; role < slots.size(); ++role) {
+        if (!held(slots[role])) continue;
+        sums.add(static_cast<std::size_t>(holdOf[static_cast<std::size_t>(slots[role])]), buffer.panel().jacobian[role],
+                 buffer.panel().residual, shape.rows, shape.columns[role]);
+      }
+    }
+  }
+  constexpr double negligible = 1e-8;  // of the cost: what one held direction could lower it by
+  constexpr double rounding = 1e-14;   // of the estimates: how far it would go for that
+  double largest = 0.0;
+  for (std::int64_t i = 0; i < problem.layout().size(); ++i)
+    largest = std::max(largest, std::abs(problem.state().data()[i]));
+  for (std::size_t i = 0; i < holds.size(); ++i) {
+    for (std::size_t d = 0; d < sums.gradient[i].size(); ++d) {
+      const bool own = d < 64 && (holds[i].directions >> d & 1) != 0;
+      const double g = sums.gradient[i][d], h = sums.diagonal[i][d];
+      if (own && g * g > negligible * cost * h && std::abs(g) > rounding * largest * h) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace quiver

@@ -109,7 +109,7 @@ void addPiece(const GaugeSource& source, std::int64_t piece, std::int64_t pieces
     const auto begin = static_cast<int>(piece * chunks / pieces) * step;
     const int end = std::min(batch.size(), static_cast<int>((piece + 1) * chunks / pieces) * step);
     if (begin >= end) continue;
-    PanelBuffer buffer(batch.largestShape());
+    PanelBuffer buffer(batch.largestShape(), true, step);
     for (int first = begin; first < end; first += step) {
       const int count = std::min(step, end - first);
       std::iota(ids.begin(), ids.end(), first);

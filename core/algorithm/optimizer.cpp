@@ -60,15 +60,17 @@ std::string describeGauge(const GaugeReport& report, bool fixes, int found, cons
   const std::string components = report.components == 1 ? "" : fmt::format(" in {} components", report.components);
   if (found == 0) return fmt::format("nothing is free{}", components);
   if (!fixes) return fmt::format("{} directions are free{} and left so", found, components);
+  if (holds.empty()) return fmt::format("{} directions are free{}; no vertex could be held", found, components);
   return fmt::format("{} directions are free{}; vertex {} held", found, components, fmt::join(holds, ", "));
 }
 
-/// Detects the gauge and, if the policy says so, holds as many directions as are free.
-void settleGauge(Problem& problem, const Options& options, bool damped, GaugeReport& report) {
+/// Detects the gauge and, if the policy says so, holds as many directions as are free; which they are.
+std::vector<HeldSlot> settleGauge(Problem& problem, const Options& options, bool damped, GaugeReport& report) {
   const bool fixes = options.gauge == GaugePolicy::fix || (options.gauge == GaugePolicy::automatic && !damped);
   const std::vector<ComponentGauge> gauges = findGauges(problem);
   report.components = static_cast<int>(gauges.size());
   std::vector<HeldDirections> holds;
+  std::vector<HeldSlot> heldSlots;
   std::vector<std::string> words;
   int found = 0;
   int held = 0;
@@ -77,6 +79,7 @@ void settleGauge(Problem& problem, const Options& options, bool damped, GaugeRep
     if (!fixes) continue;
     for (const HeldDirections& hold : gauge.holds) {
       holds.push_back(hold);
+      heldSlots.push_back({problem.slotOfVariable(hold.variable), hold.directions});
       held += std::popcount(hold.directions);
       words.push_back(describeHold(problem, hold));
       report.fixed.push_back(problem.vertex(problem.slotOfVariable(hold.variable)).id());
@@ -85,6 +88,7 @@ void settleGauge(Problem& problem, const Options& options, bool damped, GaugeRep
   report.free = found - held;
   report.reason = describeGauge(report, fixes, found, words);
   if (!holds.empty()) problem.holdDirections(holds);
+  return heldSlots;
 }
 
 int threadsOf(const Options& options) { return options.threads > 0 ? options.threads : hardwareThreads(); }
@@ -190,6 +194,7 @@ struct Optimizer::Compiled {
   /// Asked whether it eliminates, not analysed yet.
   std::unique_ptr<LinearSystem> asked;
   GaugeReport gauge;
+  std::vector<HeldSlot> held;
   DescentMemory memory;
   Summary summary;
   bool settled = false;
@@ -209,6 +214,7 @@ struct Optimizer::Compiled {
     asked.reset();
     problem.reset();
     gauge = {};
+    held.clear();
     settled = false;
     key = {};  // should compiling fail, nothing is known
     registry = graph.registry();
@@ -226,7 +232,7 @@ struct Optimizer::Compiled {
     const bool damped =
         algorithm ? algorithm->value.damped : hasRobustKernel(*problem) || asked->eliminates(*problem, options);
     try {
-      settleGauge(*problem, options, damped, gauge);
+      held = settleGauge(*problem, options, damped, gauge);
       settled = true;
     } catch (const WorkStopped&) {
       gauge = {};
@@ -260,56 +266,69 @@ Problem& Optimizer::compile(Graph& graph) {
 
 Summary& Optimizer::run(Graph& graph, bool again) {
   options_.validate();
-  const NamedEntry<Algorithm>* const algorithm = algorithmOf(options_, *graph.registry());
-  Stopwatch watch;
   const Stopwatch whole;
   const StopCondition stop(options_.timeLimit, options_.stopToken);
   Summary& summary = compiled_->summary;
   summary.clear();
   summary.threads = threadsOf(options_);
-  if (const std::int64_t bytes = options_.memoryLimit > 0 ? estimateCompilation(graph, options_) : 0;
-      bytes > options_.memoryLimit) {
-    reportUnmoved(nullptr, Status::memoryLimit, describeExcess(bytes, options_), summary);
-    return summary;
+  solve(graph, again, options_, stop);
+  if (summary.status == Status::converged && !compiled_->held.empty() &&
+      holdsBite(*compiled_->problem, compiled_->held, summary.finalCost)) {
+    const Summary first = summary;
+    Options released = options_;
+    released.gauge = GaugePolicy::free;
+    solve(graph, false, released, stop);
+    summary.initialChi2 = first.initialChi2;
+    summary.initialCost = first.initialCost;
+    summary.gauge.reason = first.gauge.reason + "; released where that kept the cost from falling further";
   }
-  compiled_->compile(graph, options_, again);
+  summary.seconds.total = whole.seconds();
+  return summary;
+}
+
+void Optimizer::solve(Graph& graph, bool again, const Options& options, const StopCondition& stop) {
+  Stopwatch watch;
+  Summary& summary = compiled_->summary;
+  const NamedEntry<Algorithm>* const algorithm = algorithmOf(options, *graph.registry());
+  if (const std::int64_t bytes = options.memoryLimit > 0 ? estimateCompilation(graph, options) : 0;
+      bytes > options.memoryLimit) {
+    return reportUnmoved(nullptr, Status::memoryLimit, describeExcess(bytes, options), summary);
+  }
+  compiled_->compile(graph, options, again);
   Problem& problem = *compiled_->problem;
   const StopGuard guard(problem, stop);
-  const bool settled = compiled_->settle(options_, algorithm);
+  const bool settled = compiled_->settle(options, algorithm);
   if (problem.edges() > largeProblem && !compiled_->reused) returnFreeMemory();
   summary.gauge = compiled_->gauge;
   summary.edges = problem.edges();
   summary.isolated.assign(problem.isolated().begin(), problem.isolated().end());
   summary.variables = problem.variables();
-  problem.setRobustCorrection(options_.robustCorrection);
+  problem.setRobustCorrection(options.robustCorrection);
   // What would be run, should it not come to that.
   chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
-  summary.seconds.compile = watch.lap();
+  summary.seconds.compile += watch.lap();
   if (problem.variables() == 0) {
-    reportUnmoved(&problem, Status::nothingToOptimise,
-                  problem.edges() == 0 ? "no edge takes part" : "every vertex that an edge touches is fixed", summary);
-  } else if (!settled || stop.reached()) {
-    reportStopped(problem, stop, summary);
-  } else {
-    compiled_->analyze(options_, summary.threads);
-    summary.plan = compiled_->system->plan();
-    summary.seconds.analyze = watch.lap();
-    if (summary.plan.exceedsMemory) {
-      reportUnmoved(&problem, Status::memoryLimit,
-                    describeExcess(estimateCompilation(graph, options_) + summary.plan.bytes, options_), summary);
-      compiled_->system.reset();
-    } else {
-      const bool damped = chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
-      announce(options_, "optimising");
-      Descent descent(problem, *compiled_->system, options_, stop, compiled_->memory, summary);
-      descend(descent, algorithm, damped, summary.plan);
-      summary.plan.singular = compiled_->system->plan().singular;
-      problem.store();
-      summary.seconds.optimize = watch.lap();
-    }
+    return reportUnmoved(&problem, Status::nothingToOptimise,
+                         problem.edges() == 0 ? "no edge takes part" : "every vertex that an edge touches is fixed",
+                         summary);
   }
-  summary.seconds.total = whole.seconds();
-  return summary;
+  if (!settled || stop.reached()) return reportStopped(problem, stop, summary);
+  compiled_->analyze(options, summary.threads);
+  summary.plan = compiled_->system->plan();
+  summary.seconds.analyze += watch.lap();
+  if (summary.plan.exceedsMemory) {
+    reportUnmoved(&problem, Status::memoryLimit,
+                  describeExcess(estimateCompilation(graph, options) + summary.plan.bytes, options), summary);
+    compiled_->system.reset();
+    return;
+  }
+  const bool damped = chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
+  announce(options, "optimising");
+  Descent descent(problem, *compiled_->system, options, stop, compiled_->memory, summary);
+  descend(descent, algorithm, damped, summary.plan);
+  summary.plan.singular = compiled_->system->plan().singular;
+  problem.store();
+  summary.seconds.optimize += watch.lap();
 }
 
 Summary optimize(Graph& graph, const Options& options) { return std::move(Optimizer(options).run(graph, false)); }

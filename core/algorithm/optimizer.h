@@ -9,6 +9,7 @@
 namespace quiver {
 
 class Problem;
+class StopCondition;
 
 /// Moves the estimates of a graph's free vertices to a minimum of its cost Σ ρ(eᵀΩe), starting from the estimates it
 /// has.
@@ -49,6 +50,8 @@ class Optimizer {
   friend Summary optimize(Graph& graph, const Options& options);
   /// `again`: another call may follow, so the structure is kept with what identifies it.
   Summary& run(Graph& graph, bool again);
+  /// One descent from the graph's estimates; the summary goes on from what it holds.
+  void solve(Graph& graph, bool again, const Options& options, const StopCondition& stop);
 
   struct Compiled;
   Options options_;

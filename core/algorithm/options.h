@@ -42,11 +42,14 @@ struct Options {
   /// Seconds; honoured inside an iteration. The best estimate so far is kept.
   double timeLimit = std::numeric_limits<double>::infinity();
   std::stop_token stopToken = {};
-  /// Stop when |Δcost| / cost of an accepted step is below this. This rule and the next two are switched off by 0.
+  /// Stop when |Δcost| / cost of an accepted step is below this, or when the cost is what rounding makes of errors that
+  /// are zero. This rule and the next two are switched off by 0.
   double costTolerance = 1e-10;
-  /// Stop when the largest |gᵢ|/√Hᵢᵢ is below this part of the first one, whatever the units.
+  /// Stop when the largest |gᵢ|/√Hᵢᵢ is below this part of √cost: when no column of the Jacobian makes a larger cosine
+  /// with the residual, whatever the units.
   double gradientTolerance = 1e-10;
-  /// Stop when ‖Δ‖ / (‖x‖ + 1e-10) is below this and the cost changes by less than a hundred `costTolerance`.
+  /// Stop when ‖Δ‖ / (‖x‖ + 1e-10) is below this and the cost changes by less than a hundred `costTolerance`, after a
+  /// damped step by less than one.
   double stepTolerance = 1e-10;
   /// Edges of this level take part; −1 means all edges.
   int level = 0;

@@ -135,7 +135,7 @@ void applyKernels(const Panel& panel, const BatchKernels& kernels, std::span<con
   double second[Panel::capacity];
   const bool secondOrder = correction == RobustCorrection::second;
   evaluateKernels(panel, kernels, edges, secondOrder ? second : nullptr);
-  if (!correction) return;
+  if (!correction || (!secondOrder && !panel.weighed)) return;
   static const bool wide = detectInstructionSet() != InstructionSet::generic;
   const std::size_t groups = (count + lanes - 1) / lanes;
   Factors factors;
@@ -151,6 +151,7 @@ void applyKernels(const Panel& panel, const BatchKernels& kernels, std::span<con
   }
   (wide ? scalePanelAvx2 : scalePanelGeneric)(panel, groups, rows, columns, factors.roots,
                                               curved ? factors.stretch : factors.roots);
+  if (!panel.weighed) std::fill(panel.weight, panel.weight + count, 1.0);
 }
 
 }  // namespace quiver::detail

@@ -36,7 +36,8 @@ class BatchKernels {
 /// Fills cost and weight from squaredError. With a correction it also turns whitened residuals and Jacobian blocks into
 /// those whose products are the robust normal equations: r ← √ρ' r / (1 − α), J ← √ρ' (I − α rrᵀ/e) J. First order has
 /// α = 0; second order 1 − α = √(1 + 2eρ''/ρ') (Triggs et al., Bundle adjustment, 2000), or α = 0 where that root is
-/// not safely real. `kernels` are those of the batch.
+/// not safely real. With a panel that is not to be weighed √ρ' is left out of both where that is possible, and weight
+/// is what remains to be applied: ρ' or 1. `kernels` are those of the batch.
 void applyKernels(const Panel& panel, const BatchKernels& kernels, std::span<const std::int32_t> edges, int rows,
                   std::span<const int> columns, std::optional<RobustCorrection> correction);
 

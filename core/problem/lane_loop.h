@@ -223,26 +223,22 @@ inline void laneLoop(const BatchView& view, const std::int32_t* edges, int count
   for (int begin = 0; begin < count; begin += L::width) {
     const int group = begin / L::width;
     std::int32_t ids[L::width] = {};
-    L constant[Loop::values];
-    L U[Loop::triangle];
-    const int edgesHere = count - begin < L::width ? count - begin : L::width;
+    L scattered[Loop::constants];
     const bool inRows = view.rows != nullptr;
-    if (!inRows) {
-      for (int i = 0; i < L::width; ++i) ids[i] = edges[begin + i < count ? begin + i : count - 1];
-      loadConstants<Loop::values>(view.constants, view.numbers, ids, edgesHere, constant);
-    }
+    const L* constant = scattered;
     if (inRows) {
-      const double* in = view.constants + std::int64_t{begin} * view.numbers;
-      for (int k = 0; k < Loop::values; ++k) loadLanes(in + k * L::width, constant[k]);
-      in += Loop::values * L::width;
-      for (int k = 0; k < rows; ++k) loadLanes(in + k * L::width, U[k]);
-      for (int k = rows; !view.diagonal && k < Loop::triangle; ++k) loadLanes(in + k * L::width, U[k]);
-    } else if (view.diagonal) {
-      loadConstants<rows>(view.constants + Loop::values * L::width, view.numbers, ids, edgesHere, U);
+      constant = asLanes<L>(view.constants + std::int64_t{begin} * view.numbers);
     } else {
-      loadConstants<Loop::triangle>(view.constants + Loop::values * L::width, view.numbers, ids, edgesHere, U);
+      for (int i = 0; i < L::width; ++i) ids[i] = edges[begin + i < count ? begin + i : count - 1];
+      if (isRun(ids, count - begin < L::width ? count - begin : L::width)) {
+        constant = asLanes<L>(view.constants + std::int64_t{ids[0]} * view.numbers);
+      } else if (view.diagonal) {
+        gatherConstants<Loop::values + rows>(view.constants, view.numbers, ids, scattered);
+      } else {
+        gatherConstants<Loop::constants>(view.constants, view.numbers, ids, scattered);
+      }
     }
-    for (int k = rows; view.diagonal && k < Loop::triangle; ++k) U[k] = L(0.0);
+    const L* const U = constant + Loop::values;  // its diagonal alone, or the upper triangle
     const auto m = Packing<typename E::Measurement>::template load<L>(constant);
     const auto p = Loop::template parameterValues<L>(constant);
     const auto x = loadEstimates<E, L>(view, ids, group);

@@ -131,18 +131,35 @@ QUIVER_TARGET_AVX512 inline void storeRecords(const Lanes<isa::Avx512>* in, doub
 
 #endif  // QUIVER_NATIVE_LANES
 
-/// The first Size of the `numbers` constants of `count` ≤ 8 edges, as lanes; aligned runs of edges are read as they
-/// lie.
+/// Where entry `at` of an upper triangle of order D, row by row, followed by D numbers of a column of their own, lies;
+/// (D, D) behind the last.
+struct TriangleEntry {
+  int row;
+  int column;
+};
+template <int D>
+constexpr TriangleEntry triangleEntry(int at) {
+  int row = 0;
+  for (; row < D && at >= D - row; ++row) at -= D - row;
+  return row < D ? TriangleEntry{row, row + at} : TriangleEntry{at < D ? at : D, D};
+}
+
+/// Numbers that lie in lanes, as lanes: what is used is loaded where it is used. `in` is aligned as lanes are.
+template <typename L>
+inline const L* asLanes(const double* in) {
+  return reinterpret_cast<const L*>(in);
+}
+
+/// Whether `count` ≤ 8 edges are an aligned run, so that their constants lie as lanes do.
+inline bool isRun(const std::int32_t* ids, int count) {
+  bool run = ids[0] % 8 == 0;
+  for (int i = 1; i < count; ++i) run = run && ids[i] == ids[0] + i;
+  return run;
+}
+
+/// The first Size of the `numbers` constants of eight edges, as lanes.
 template <int Size, typename Isa>
-inline void loadConstants(const double* constants, int numbers, const std::int32_t* ids, int count, Lanes<Isa>* out) {
-  const std::int64_t first = ids[0];
-  bool run = first % 8 == 0;
-  for (int i = 1; i < count; ++i) run = run && ids[i] == first + i;
-  if (run) {
-    const double* in = constants + first * numbers;
-    for (int k = 0; k < Size; ++k) loadLanes(in + k * 8, out[k]);
-    return;
-  }
+inline void gatherConstants(const double* constants, int numbers, const std::int32_t* ids, Lanes<Isa>* out) {
   for (int i = 0; i < 8; ++i) {
     const double* in = constants + std::int64_t{ids[i] / 8} * numbers * 8 + ids[i] % 8;
     for (int k = 0; k < Size; ++k) out[k].v[i] = in[k * 8];

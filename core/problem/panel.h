@@ -32,14 +32,17 @@ struct Panel {
   double* squaredError = nullptr;
   double* cost = nullptr;
   double* weight = nullptr;
+  /// False asks for r and J without √ρ', to be multiplied by `weight` where their products are formed.
+  bool weighed = true;
 };
 
-/// Memory for panels of one shape (the largest of a batch). Reused from call to call; one per thread.
+/// Memory for panels of one shape (the largest of a batch) and at most so many edges, which are rounded up to whole
+/// groups. Reused from call to call; one per thread.
 class PanelBuffer {
  public:
   PanelBuffer() = default;
-  explicit PanelBuffer(const EdgeShape& shape, bool withJacobians = true) {
-    constexpr std::int64_t capacity = Panel::capacity;
+  explicit PanelBuffer(const EdgeShape& shape, bool withJacobians = true, int edges = Panel::capacity) {
+    const std::int64_t capacity = std::int64_t{(edges + Panel::lanes - 1) / Panel::lanes} * Panel::lanes;
     std::int64_t size = capacity * (shape.rows + 3);
     if (withJacobians) {
       for (const int columns : shape.columns) size += capacity * shape.rows * columns;

@@ -27,7 +27,7 @@ constexpr double retractionPerVariable = 15.0;
 RowCost measureRowCost(const EdgeBatch& batch, const State& state) {
   const EdgeShape shape = batch.shape(0);
   if (shape.rows == 0) return {};
-  PanelBuffer buffer(batch.largestShape());
+  PanelBuffer buffer(batch.largestShape(), true, 1);
   const std::int32_t edge = 0;
   const auto nanoseconds = [&](const auto& compute) {
     compute();
@@ -250,7 +250,7 @@ void Problem::makePanels() {
   const int tasks = evaluationThreads_ == 1 ? 1 : 4 * evaluationThreads_;
   panels_.resize(static_cast<std::size_t>(tasks));
   for (auto& panels : panels_) {
-    for (const auto& batch : batches_) panels.emplace_back(batch->largestShape(), false);
+    for (const auto& batch : batches_) panels.emplace_back(batch->largestShape(), false, batch->uniform() ? Panel::capacity : 1);
   }
 }
 

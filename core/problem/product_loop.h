@@ -30,24 +30,32 @@ inline void whitenBlock(const L* U, Block& J) {
   for (int c = 0; c < Block::ColsAtCompileTime; ++c) whiten<Rows>(U, diagonal, J.col(c));
 }
 
-/// The upper triangle of JᵀJ, row by row, then Jᵀr, added to eight records.
+/// The upper triangle of JᵀJ, row by row, then Jᵀr, added to eight records: eight numbers at a time, which stay in
+/// registers until they are turned.
 template <typename L, typename Block, typename Error>
 inline void addSquare(const Block& J, const Error& error, double* const* records) {
   constexpr int D = Block::ColsAtCompileTime;
-  constexpr int triangle = D * (D + 1) / 2;
-  constexpr int padded = (triangle + D + 7) / 8 * 8;
-  L result[padded];
-  const auto row = [&]<int A, int... B>(std::integral_constant<int, A>, std::integer_sequence<int, B...>) {
-    constexpr int begin = A * D - A * (A - 1) / 2;
-    ((result[begin + B] = columnProduct<A, A + B>(J, J)), ...);
-    result[triangle + A] = columnProduct<A, 0>(J, error);
+  constexpr int padded = (D * (D + 1) / 2 + D + 7) / 8 * 8;
+  const auto entry = [&]<int At>(std::integral_constant<int, At>) {
+    constexpr TriangleEntry place = triangleEntry<D>(At);
+    if constexpr (place.row == D) {
+      return L(0.0);
+    } else if constexpr (place.column == D) {
+      return columnProduct<place.row, 0>(J, error);
+    } else {
+      return columnProduct<place.row, place.column>(J, J);
+    }
   };
-  [&]<int... A>(std::integer_sequence<int, A...>) {
-    (row(std::integral_constant<int, A>(), std::make_integer_sequence<int, D - A>()), ...);
+  const auto addEight = [&]<int First, int... I>(std::integral_constant<int, First>, std::integer_sequence<int, I...>) {
+    const L part[L::width] = {entry(std::integral_constant<int, First + I>())...};
+    double* out[L::width];
+    for (int i = 0; i < L::width; ++i) out[i] = records[i] + First;
+    addRecords<L::width>(part, out);
+  };
+  [&]<int... Chunk>(std::integer_sequence<int, Chunk...>) {
+    (addEight(std::integral_constant<int, Chunk * L::width>(), std::make_integer_sequence<int, L::width>()), ...);
   }
-  (std::make_integer_sequence<int, D>());
-  for (int k = triangle + D; k < padded; ++k) result[k] = L(0.0);
-  addRecords<padded>(result, records);
+  (std::make_integer_sequence<int, padded / L::width>());
 }
 
 /// AᵀB column by column, transposed in the lanes that ask for it, written to eight blocks.
@@ -88,8 +96,7 @@ inline void productLoop(const BatchView& view, int first, int count, const Produ
     std::int32_t ids[L::width];
     for (int i = 0; i < L::width; ++i) ids[i] = at + i < view.edges ? at + i : static_cast<int>(view.edges) - 1;
     const double* in = view.constants + std::int64_t{at} * view.numbers;
-    L constant[values];
-    for (int k = 0; k < values; ++k) loadLanes(in + k * L::width, constant[k]);
+    const L* const constant = asLanes<L>(in);
     const auto m = Packing<typename E::Measurement>::template load<L>(constant);
     const auto p = Loop::template parameterValues<L>(constant);
     const auto x = loadEstimates<E, L>(view, ids, 0);
@@ -106,15 +113,11 @@ inline void productLoop(const BatchView& view, int first, int count, const Produ
       if (begin + L::width < count)
         prefetchBlocks(targets.blocks[0] + at + L::width, Loop::columns[0] * Loop::columns[1]);
     }
-    in += values * L::width;
+    const L* const U = constant + values;
     if (view.diagonal) {
-      L U[rows];
-      for (int k = 0; k < rows; ++k) loadLanes(in + k * L::width, U[k]);
       std::apply([&](auto&... block) { (whitenBlock<rows, true>(U, block), ...); }, J);
       whiten<rows>(U, true, error);
     } else {
-      L U[Loop::triangle];
-      for (int k = 0; k < Loop::triangle; ++k) loadLanes(in + k * L::width, U[k]);
       std::apply([&](auto&... block) { (whitenBlock<rows, false>(U, block), ...); }, J);
       whiten<rows>(U, false, error);
     }

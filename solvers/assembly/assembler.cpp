@@ -63,7 +63,8 @@ void Assembler::makeKernels() {
   nowhereNumbers_ = (std::max(largestBlock, largestRecord) + 7) / 8 * 8;
   workspaces_.resize(threads_ == 1 ? 1 : 4 * static_cast<std::size_t>(threads_));
   for (Workspace& work : workspaces_) {
-    for (const BatchKernels& kernels : kernels_) work.panels.emplace_back(kernels.shape);
+    for (const BatchKernels& kernels : kernels_)
+      work.panels.emplace_back(kernels.shape, true, kernels.uniform ? panelEdges : 1);
     work.nowhere = AlignedBuffer(nowhereNumbers_);
   }
 }

@@ -66,22 +66,10 @@ inline L dot(const double* x, const double* y, int rows) {
   return sum;
 }
 
-/// Where entry `at` of an upper triangle of order D, row by row, followed by D numbers of a column of their own, lies.
-struct Entry {
-  int row;
-  int column;
-};
-template <int D>
-constexpr Entry entryAt(int at) {
-  int row = 0;
-  for (; row < D && at >= D - row; ++row) at -= D - row;
-  return row < D ? Entry{row, row + at} : Entry{at < D ? at : D, D};
-}
-
 /// Entry At of JᵀJ and Jᵀr of eight edges; zero behind the last.
 template <typename L, int N, int D, int At>
 inline L squareEntry(const double* J, const double* residual) {
-  constexpr Entry entry = entryAt<D>(At);
+  constexpr detail::TriangleEntry entry = detail::triangleEntry<D>(At);
   if constexpr (entry.row == D) return L(0.0);
   const double* const x = J + entry.row * N * width;
   const double* const y = entry.column < D ? J + entry.column * N * width : residual;
@@ -180,24 +168,33 @@ inline void crossAny(const double* A, const double* B, int rows, int columnsA, i
   }
 }
 
-/// Rows [A, End) of JᵀJ and their part of Jᵀr, summed over all groups in registers.
+template <typename L>
+inline L weightOf(const double* weights) {
+  L weight;
+  loadLanes(weights, weight);
+  return max(weight, L(0.0));
+}
+
+/// Rows [A, End) of w JᵀJ and their part of w Jᵀr, summed over all groups in registers.
 template <typename L, int N, int D, int A, int End>
-inline void sumRows(const double* J, const double* residual, int groups, double* sums) {
+inline void sumRows(const double* J, const double* residual, const double* weights, int groups, double* sums) {
   constexpr int first = A * D - A * (A - 1) / 2;
   constexpr int count = End * D - End * (End - 1) / 2 - first;
   L products[count];
   L gradient[End - A];
   for (int k = 0; k < count; ++k) products[k] = L(0.0);
   for (int k = 0; k < End - A; ++k) gradient[k] = L(0.0);
-  for (int g = 0; g < groups; ++g, J += N * D * width, residual += N * width) {
+  for (int g = 0; g < groups; ++g, J += N * D * width, residual += N * width, weights += width) {
+    const L weight = weightOf<L>(weights);
     for (int r = 0; r < N; ++r) {
       L column[D - A];
       L error;
       for (int c = A; c < D; ++c) loadLanes(J + (c * N + r) * width, column[c - A]);
       loadLanes(residual + r * width, error);
       for (int a = A, at = 0; a < End; ++a) {
-        for (int b = a; b < D; ++b, ++at) products[at] += column[a - A] * column[b - A];
-        gradient[a - A] += column[a - A] * error;
+        const L weighed = weight * column[a - A];
+        for (int b = a; b < D; ++b, ++at) products[at] += weighed * column[b - A];
+        gradient[a - A] += weighed * error;
       }
     }
   }
@@ -207,53 +204,57 @@ inline void sumRows(const double* J, const double* residual, int groups, double*
 
 /// Sizes as constants, as many rows at a time as registers hold.
 template <typename L, int N, int D>
-inline void sumFixed(const double* J, const double* residual, int groups, double* sums) {
+inline void sumFixed(const double* J, const double* residual, const double* weights, int groups, double* sums) {
   constexpr int half = D <= 3 ? D : D / 2;
-  sumRows<L, N, D, 0, half>(J, residual, groups, sums);
-  if constexpr (half < D) sumRows<L, N, D, half, D>(J, residual, groups, sums);
+  sumRows<L, N, D, 0, half>(J, residual, weights, groups, sums);
+  if constexpr (half < D) sumRows<L, N, D, half, D>(J, residual, weights, groups, sums);
 }
 
 template <typename L>
-inline void sumAny(const double* J, const double* residual, int rows, int columns, int groups, double* sums) {
-  for (int g = 0; g < groups; ++g, J += rows * columns * width, residual += rows * width) {
+inline void sumAny(const double* J, const double* residual, const double* weights, int rows, int columns, int groups,
+                   double* sums) {
+  for (int g = 0; g < groups; ++g, J += rows * columns * width, residual += rows * width, weights += width) {
+    const L weight = weightOf<L>(weights);
     int at = 0;
     for (int a = 0; a < columns; ++a) {
       for (int b = a; b < columns; ++b, ++at)
-        addLanes(dot<L>(J + a * rows * width, J + b * rows * width, rows), sums + at * width);
+        addLanes(weight * dot<L>(J + a * rows * width, J + b * rows * width, rows), sums + at * width);
     }
-    for (int a = 0; a < columns; ++a, ++at) addLanes(dot<L>(J + a * rows * width, residual, rows), sums + at * width);
+    for (int a = 0; a < columns; ++a, ++at)
+      addLanes(weight * dot<L>(J + a * rows * width, residual, rows), sums + at * width);
   }
 }
 
 /// The kernels of one instruction set. ATTRIBUTE makes each a batch loop of the set.
-#define QUIVER_LANE_PRODUCTS(NAME, ISA, ATTRIBUTE)                                                            \
-  struct NAME {                                                                                               \
-    using L = Lanes<ISA>;                                                                                     \
-    template <int N, int D>                                                                                   \
-    ATTRIBUTE static void square(const double* J, const double* residual, int, int, double* const* out) {     \
-      squareFixed<L, N, D>(J, residual, out);                                                                 \
-    }                                                                                                         \
-    template <int N, int Da, int Db>                                                                          \
-    ATTRIBUTE static void cross(const double* A, const double* B, int, int, int, const std::int64_t* flip,    \
-                                double* const* out) {                                                         \
-      crossFixed<L, N, Da, Db>(A, B, flip, out);                                                              \
-    }                                                                                                         \
-    ATTRIBUTE static void squareLoop(const double* J, const double* residual, int rows, int columns,          \
-                                     double* const* out) {                                                    \
-      squareAny<L>(J, residual, rows, columns, out);                                                          \
-    }                                                                                                         \
-    ATTRIBUTE static void crossLoop(const double* A, const double* B, int rows, int columnsA, int columnsB,   \
-                                    const std::int64_t* flip, double* const* out) {                           \
-      crossAny<L>(A, B, rows, columnsA, columnsB, flip, out);                                                 \
-    }                                                                                                         \
-    template <int N, int D>                                                                                   \
-    ATTRIBUTE static void sum(const double* J, const double* residual, int, int, int groups, double* sums) {  \
-      sumFixed<L, N, D>(J, residual, groups, sums);                                                           \
-    }                                                                                                         \
-    ATTRIBUTE static void sumLoop(const double* J, const double* residual, int rows, int columns, int groups, \
-                                  double* sums) {                                                             \
-      sumAny<L>(J, residual, rows, columns, groups, sums);                                                    \
-    }                                                                                                         \
+#define QUIVER_LANE_PRODUCTS(NAME, ISA, ATTRIBUTE)                                                                  \
+  struct NAME {                                                                                                     \
+    using L = Lanes<ISA>;                                                                                           \
+    template <int N, int D>                                                                                         \
+    ATTRIBUTE static void square(const double* J, const double* residual, int, int, double* const* out) {           \
+      squareFixed<L, N, D>(J, residual, out);                                                                       \
+    }                                                                                                               \
+    template <int N, int Da, int Db>                                                                                \
+    ATTRIBUTE static void cross(const double* A, const double* B, int, int, int, const std::int64_t* flip,          \
+                                double* const* out) {                                                               \
+      crossFixed<L, N, Da, Db>(A, B, flip, out);                                                                    \
+    }                                                                                                               \
+    ATTRIBUTE static void squareLoop(const double* J, const double* residual, int rows, int columns,                \
+                                     double* const* out) {                                                          \
+      squareAny<L>(J, residual, rows, columns, out);                                                                \
+    }                                                                                                               \
+    ATTRIBUTE static void crossLoop(const double* A, const double* B, int rows, int columnsA, int columnsB,         \
+                                    const std::int64_t* flip, double* const* out) {                                 \
+      crossAny<L>(A, B, rows, columnsA, columnsB, flip, out);                                                       \
+    }                                                                                                               \
+    template <int N, int D>                                                                                         \
+    ATTRIBUTE static void sum(const double* J, const double* residual, const double* weights, int, int, int groups, \
+                              double* sums) {                                                                       \
+      sumFixed<L, N, D>(J, residual, weights, groups, sums);                                                        \
+    }                                                                                                               \
+    ATTRIBUTE static void sumLoop(const double* J, const double* residual, const double* weights, int rows,         \
+                                  int columns, int groups, double* sums) {                                          \
+      sumAny<L>(J, residual, weights, rows, columns, groups, sums);                                                 \
+    }                                                                                                               \
   };
 QUIVER_LANE_PRODUCTS(Avx512Products, isa::Avx512, QUIVER_BATCH_LOOP_AVX512)
 QUIVER_LANE_PRODUCTS(Avx2Products, isa::Avx2, QUIVER_BATCH_LOOP_AVX2)

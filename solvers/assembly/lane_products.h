@@ -21,9 +21,10 @@ class LaneProducts {
   using Cross = void (*)(const double* A, const double* B, int rows, int columnsA, int columnsB,
                          const std::int64_t* flip, double* const* out);
 
-  /// Adds over all groups, in lanes, the upper triangle of JᵀJ, row by row, then Jᵀr: number k of lane i to
-  /// sums[k · 8 + i]. The blocks of the groups follow each other.
-  using Sum = void (*)(const double* J, const double* residual, int rows, int columns, int groups, double* sums);
+  /// Adds over all groups, in lanes, the upper triangle of w JᵀJ, row by row, then w Jᵀr: number k of lane i to
+  /// sums[k · 8 + i]. The blocks of the groups follow each other; w is 0 where a weight is negative.
+  using Sum = void (*)(const double* J, const double* residual, const double* weights, int rows, int columns,
+                       int groups, double* sums);
 
   /// Kernels for a size on an instruction set that the machine has.
   static Square square(InstructionSet set, int rows, int columns);

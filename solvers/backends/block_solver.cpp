@@ -6,4 +6,8 @@ namespace quiver {
 
 std::unique_ptr<LinearSolver> makeBlockSolver() { return std::make_unique<detail::BlockCholesky>(); }
 
+std::int64_t predictBlockSolverBytes(const BlockPattern& pattern, int threads) {
+  return detail::BlockCholesky::predictBytes(pattern, threads);
+}
+
 }  // namespace quiver

@@ -66,9 +66,20 @@ void BlockCholesky::analyze(std::shared_ptr<const BlockPattern> pattern, int thr
   reserve(values_, plan_.valueCount + 8);
   reserve(inverse_, pattern_->layout().scalars());
   reserve(arena_, plan_.arenaCount + 8);
-  columnCount_ = (plan_.workspaceCount + pattern_->layout().scalars() + 7) / 8 * 8;
+  columnCount_ = workspaceOf(plan_, *pattern_);
   reserve(workspace_, columnsTogether * columnCount_);
   failures_.assign(plan_.schedule.tasks.size(), {});
+}
+
+std::int64_t BlockCholesky::workspaceOf(const FactorPlan& plan, const BlockPattern& pattern) {
+  return (plan.workspaceCount + pattern.layout().scalars() + 7) / 8 * 8;
+}
+
+std::int64_t BlockCholesky::predictBytes(const BlockPattern& pattern, int threads) {
+  const FactorPlan plan(pattern, threads);
+  const std::int64_t doubles = plan.valueCount + pattern.layout().scalars() + plan.arenaCount + 16 +
+                               columnsTogether * workspaceOf(plan, pattern);
+  return doubles * 8 + plan.bytes();
 }
 
 FactorStatistics BlockCholesky::statistics() const {

@@ -32,6 +32,8 @@ class BlockCholesky final : public LinearSolver {
   FactorStatistics statistics() const override;
 
   const FactorPlan& plan() const { return plan_; }
+  /// Bytes that it would hold for a pattern and so many threads. Analyses the structure and throws it away.
+  static std::int64_t predictBytes(const BlockPattern& pattern, int threads);
 
  private:
   struct Input {
@@ -46,6 +48,9 @@ class BlockCholesky final : public LinearSolver {
     std::int64_t scalar = -1;
     double pivot = 0.0;
   };
+
+  /// Doubles of the workspace of one right-hand side.
+  static std::int64_t workspaceOf(const FactorPlan& plan, const BlockPattern& pattern);
 
   /// Who works on a node: threads to divide it among, and where update matrices that only its task needs are.
   struct Worker {

@@ -54,10 +54,10 @@ void SchurSystem::analyze(const Problem& problem, const Options& options, int th
   plan_.scalars = problem.scalars();
   elimination_ = EliminationPlan(problem, choice.eliminated);
   planReduced(options);
-  plan_.bytes = predictBytes();
-  if (options.memoryLimit > 0 && estimateCompilation(problem.graph(), options) + plan_.bytes > options.memoryLimit) {
-    plan_.exceedsMemory = true;
-    return;
+  if (options.memoryLimit > 0) {
+    plan_.bytes = predictBytes(threads);
+    plan_.exceedsMemory = estimateCompilation(problem.graph(), options) + plan_.bytes > options.memoryLimit;
+    if (plan_.exceedsMemory) return;
   }
   layOut(threads);
 }
@@ -123,7 +123,7 @@ void SchurSystem::chooseSolver(const BlockPattern& pattern, const Options& optio
   }
 }
 
-std::int64_t SchurSystem::predictBytes() const {
+std::int64_t SchurSystem::predictBytes(int threads) const {
   std::int64_t bytes =
       elimination_.bytes() + RowLinearizer::predictBytes(*problem_, elimination_) + 2 * elimination_.sumNumbers() * 8;
   if (elimination_.kept() == 0) return bytes;
@@ -138,7 +138,7 @@ std::int64_t SchurSystem::predictBytes() const {
   }
   const std::int64_t values = matrixNumbers(*pattern_);
   return bytes + values * 8 * PointEliminator::copies(values) + pattern_->entries() * 20 +
-         predictSolverBytes(*solver_, *pattern_);
+         predictSolverBytes(*solver_, *pattern_, threads);
 }
 
 void SchurSystem::layOut(int threads) {

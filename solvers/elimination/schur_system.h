@@ -43,7 +43,7 @@ class SchurSystem final : public LinearSystem {
  private:
   void planReduced(const Options& options);
   void chooseSolver(const BlockPattern& pattern, const Options& options);
-  std::int64_t predictBytes() const;
+  std::int64_t predictBytes(int threads) const;
   void layOut(int threads);
   LinearOutcome solveReduced(std::span<double> delta, const StopCondition& stop);
   SolverStatus applyFactor(std::span<double> x);

@@ -122,7 +122,7 @@ std::string diagnosis(Graph& graph) {
   outcome.kind = LinearOutcome::Kind::notPositiveDefinite;
   outcome.variable = problem.variables() - 1;
   outcome.coordinate = 0;
-  return diagnoseFailure(problem, system, outcome);
+  return diagnoseFailure(problem, system, outcome, false);
 }
 
 TEST(NullSpace, TheDiagnosisNamesVertexTypeAndDirectionsOfAnyType) {

@@ -2,6 +2,7 @@
 // every instruction set of the machine, records and blocks apart, shared by some edges and shared by all.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <vector>
 
@@ -124,6 +125,7 @@ TEST(LaneProducts, SumsAreThoseOfAllGroups) {
         Numbers numbers;
         const std::vector<double> J = numbers.some(groups * rows * columns * lanes);
         const std::vector<double> residual = numbers.some(groups * rows * lanes);
+        const std::vector<double> weights = numbers.some(groups * lanes);
         std::vector<double> sums = numbers.some(LaneProducts::squareSize(columns) * lanes);
         std::vector<double> expected = sums;
         for (int g = 0; g < groups; ++g) {
@@ -133,19 +135,21 @@ TEST(LaneProducts, SumsAreThoseOfAllGroups) {
             return from[static_cast<std::size_t>(at * lanes + lane)];
           };
           for (int lane = 0; lane < lanes; ++lane) {
+            const double weight = std::max(weights[static_cast<std::size_t>(g * lanes + lane)], 0.0);
             std::size_t at = static_cast<std::size_t>(lane);
             for (int a = 0; a < columns; ++a) {
               for (int b = a; b < columns; ++b, at += lanes) {
-                for (int r = 0; r < rows; ++r) expected[at] += column(a, r, lane) * column(b, r, lane);
+                for (int r = 0; r < rows; ++r) expected[at] += weight * column(a, r, lane) * column(b, r, lane);
               }
             }
             for (int a = 0; a < columns; ++a, at += lanes) {
-              for (int r = 0; r < rows; ++r) expected[at] += column(a, r, lane) * column(columns, r, lane);
+              for (int r = 0; r < rows; ++r) expected[at] += weight * column(a, r, lane) * column(columns, r, lane);
             }
           }
         }
-        LaneProducts::sum(set, rows, columns)(J.data(), residual.data(), rows, columns, groups, sums.data());
-        for (std::size_t i = 0; i < sums.size(); ++i) ASSERT_NEAR(sums[i], expected[i], 1e-12);
+        LaneProducts::sum(set, rows, columns)(J.data(), residual.data(), weights.data(), rows, columns, groups,
+                                              sums.data());
+        for (std::size_t i = 0; i < sums.size(); ++i) ASSERT_NEAR(sums[i], expected[i], 1e-12) << i;
       }
     }
   }

@@ -45,8 +45,8 @@ TEST(ParallelFor, rethrowsAnException) {
 
 TEST(WorthwhileThreads, growWithTheWork) {
   EXPECT_EQ(worthwhileThreads(8, 0.0), 1);
-  EXPECT_EQ(worthwhileThreads(8, 4.9e4), 1);
-  EXPECT_EQ(worthwhileThreads(8, 1.1e5), 4);
+  EXPECT_EQ(worthwhileThreads(8, 1.9e4), 1);
+  EXPECT_EQ(worthwhileThreads(8, 4.1e4), 4);
   EXPECT_EQ(worthwhileThreads(8, 1e12), 8);
   EXPECT_EQ(worthwhileThreads(0, 1e12), 1);
 }

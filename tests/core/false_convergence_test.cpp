@@ -1,0 +1,121 @@
+// Descents that must not end too early, where something was huge at the start, and must end where nothing is left.
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <quiver/core/algorithm/optimizer.h>
+
+#include "ring_graph.h"
+
+namespace quiver {
+namespace {
+
+using namespace test;
+using ::testing::HasSubstr;
+
+const std::vector<std::string> algorithms{"gn", "lm", "dogleg", "auto"};
+
+/// Where a point is from a pose, inverted at the unit circle: boundless Jacobians for a point close by, as a pixel has
+/// before a camera.
+class EdgeInversion : public BaseEdge<EdgeInversion, 2, Vector<double, 2>, VertexSE2, VertexPoint> {
+ public:
+  template <typename S>
+  static Vector<S, 2> computeError(const Vector<S, 2>& z, const SE2<S>& robot, const Vector<S, 2>& point) {
+    const Vector<S, 2> p = point - robot.translation();
+    return Vector<S, 2>(p / p.squaredNorm() - z);
+  }
+};
+
+/// Pose 0 fixed, pose 1 beside it by odometry, a point seen from both; the truth is exact. The point's first estimate
+/// is at that distance from pose 1.
+Graph closePoint(double distance) {
+  auto registry = makeRegistry();
+  registry->addEdge<EdgeInversion>("EDGE_INVERSION");
+  Graph graph(registry);
+  graph.addVertex<VertexSE2>(0, SE2<double>()).setFixed(true);
+  graph.addVertex<VertexSE2>(1, SE2<double>(0.7, 0.1, 0.05));
+  graph.addVertex<VertexPoint>(2, Vector<double, 2>(0.7, 0.1 + distance));
+  graph.addEdge<EdgeSE2>({0, 1}, SE2<double>(1.0, 0.0, 0.0), weight3());
+  graph.addEdge<EdgeInversion>({1, 2}, Vector<double, 2>(0.0, 0.5), weight2());
+  graph.addEdge<EdgeInversion>({0, 2}, Vector<double, 2>(0.2, 0.4), weight2());
+  return graph;
+}
+
+TEST(FalseConvergence, WhatAHugeJacobianHidIsNoGauge) {
+  for (const std::string algorithm : {"gn", "dogleg"}) {
+    Graph graph = closePoint(1e-5);
+    const Summary summary = optimize(graph, {.maxIterations = 300, .algorithm = algorithm, .gauge = GaugePolicy::fix});
+    EXPECT_EQ(summary.status, Status::converged) << algorithm << ": " << summary.reason;
+    EXPECT_THAT(summary.gauge.reason, HasSubstr("released")) << algorithm;  // else the case shows nothing
+    EXPECT_LT(summary.finalChi2, 1e-15) << algorithm;
+    EXPECT_LT((graph.vertex<VertexSE2>(1).estimate().translation() - Vector<double, 2>(1.0, 0.0)).norm(), 1e-6);
+    EXPECT_NEAR(summary.initialChi2, std::pow(1e5 - 0.5, 2), 1e-3 * 1e10);
+    for (std::size_t i = 0; i < summary.iterations.size(); ++i)
+      EXPECT_EQ(summary.iterations[i].iteration, static_cast<int>(i));
+  }
+}
+
+TEST(FalseConvergence, ATrueGaugeStaysHeld) {
+  Graph graph = ringGraph<EdgeRangeDual>(12, 6);
+  const Summary summary = optimize(graph, {.algorithm = "gn"});
+  EXPECT_EQ(summary.status, Status::converged);
+  EXPECT_THAT(summary.gauge.reason, Not(HasSubstr("released")));
+  EXPECT_EQ(summary.gauge.fixed.size(), 1U);
+}
+
+/// A descent that says it has converged finds nothing more when it is asked again.
+void expectNothingLeft(Graph& graph, const std::string& algorithm, double tolerance) {
+  const Summary first = optimize(graph, {.maxIterations = 500, .algorithm = algorithm});
+  ASSERT_EQ(first.status, Status::converged) << algorithm << ": " << first.reason;
+  const Summary second = optimize(graph, {.maxIterations = 500, .algorithm = algorithm});
+  EXPECT_NEAR(second.finalCost, first.finalCost, tolerance * first.finalCost) << algorithm << ": " << first.reason;
+}
+
+TEST(FalseConvergence, AHugeFirstErrorMovesNoGoal) {
+  for (const std::string& algorithm : algorithms) {
+    Graph stiff = ringGraph<EdgeRangeDual>(30, 12);
+    // Two places that the start contradicts, a billion times better known than the rest.
+    for (const std::int64_t point : {1002, 1007}) {
+      const Vector<double, 2> place = stiff.vertex<VertexPoint>(point).estimate() + Vector<double, 2>(0.8, -0.3);
+      stiff.addEdge<EdgePoint>({point}, place, weight2(1e13));
+    }
+    expectNothingLeft(stiff, algorithm, 1e-9);
+  }
+}
+
+TEST(FalseConvergence, ErrorsThatCanAllBeZeroEndAtOnce) {
+  for (const std::string& algorithm : algorithms) {
+    for (const double off : {0.0, 1e-3}) {
+      for (const int poses : {3, 30, 3000}) {
+        Graph graph(makeRegistry());
+        SE2<double> x, step;
+        for (int i = 0; i < poses; ++i) {
+          graph.addVertex<VertexSE2>(i, x.retract(Vector<double, 3>(off * std::sin(i), off, off * std::cos(i))));
+          if (i > 0) graph.addEdge<EdgeSE2>({i - 1, i}, step, weight3(500.0));
+          step = SE2<double>(1.0 + 0.01 * (i % 7), 0.3 * std::sin(i), 0.7 * std::cos(3.0 * i));
+          x = x * step;
+        }
+        const Summary summary = optimize(graph, {.algorithm = algorithm});
+        EXPECT_EQ(summary.status, Status::converged) << algorithm << ", " << poses << ": " << summary.reason;
+        EXPECT_LE(summary.iterations.size(), off == 0.0 ? 0U : 25U) << algorithm << ", " << poses;
+        EXPECT_THAT(summary.gauge.reason, Not(HasSubstr("released")));
+      }
+    }
+  }
+}
+
+TEST(FalseConvergence, ADampedStepThatIsShortIsNoEnd) {
+  // Damping scaled by 1e12 keeps the common motion of three stiff poses short.
+  Graph graph(makeRegistry());
+  graph.addVertex<VertexSE2>(0, SE2<double>()).setFixed(true);
+  graph.addVertex<VertexSE2>(1, SE2<double>(1.001, 0.0, 1e-3));
+  graph.addVertex<VertexSE2>(2, SE2<double>(2.001, 0.001, 1e-3));
+  graph.addEdge<EdgeSE2>({0, 1}, SE2<double>(1.0, 0.0, 0.0), weight3());
+  graph.addEdge<EdgeSE2>({1, 2}, SE2<double>(1.0, 0.0, 0.0), weight3(1e12));
+  const Summary summary = optimize(graph, {.maxIterations = 200, .algorithm = "lm"});
+  EXPECT_EQ(summary.status, Status::converged) << summary.reason;
+  EXPECT_LT(summary.finalChi2, 1e-12);
+}
+
+}  // namespace
+}  // namespace quiver
