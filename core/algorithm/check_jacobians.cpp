@@ -31,7 +31,11 @@ Graph plainCopy(const Graph& graph) {
 class EdgeDifferences {
  public:
   EdgeDifferences(const Problem& problem, const EdgeBatch& batch, double step)
-      : problem_(problem), batch_(batch), step_(step), buffer_(batch.largestShape(), true, 1), state_(problem.state()) {}
+      : problem_(problem),
+        batch_(batch),
+        step_(step),
+        buffer_(batch.largestShape(), true, 1),
+        state_(problem.state()) {}
 
   std::int64_t jumps() const { return jumps_; }
 

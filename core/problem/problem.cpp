@@ -250,7 +250,8 @@ void Problem::makePanels() {
   const int tasks = evaluationThreads_ == 1 ? 1 : 4 * evaluationThreads_;
   panels_.resize(static_cast<std::size_t>(tasks));
   for (auto& panels : panels_) {
-    for (const auto& batch : batches_) panels.emplace_back(batch->largestShape(), false, batch->uniform() ? Panel::capacity : 1);
+    for (const auto& batch : batches_)
+      panels.emplace_back(batch->largestShape(), false, batch->uniform() ? Panel::capacity : 1);
   }
 }
 

@@ -50,8 +50,8 @@ int hardwareThreads() {
 }
 
 int worthwhileThreads(int threads, double nanoseconds) {
-  // Waking a sleeping thread takes six times as long, but between the loops of a solve threads do not sleep, and meeting
-  // one that waits takes less than a microsecond.
+  // Waking a sleeping thread takes six times as long, but between the loops of a solve threads do not sleep, and
+  // meeting one that waits takes less than a microsecond.
   constexpr double leastShare = 1.0e4;
   return static_cast<int>(std::clamp(nanoseconds / leastShare, 1.0, static_cast<double>(std::max(1, threads))));
 }
