@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -60,8 +59,12 @@ double secondsOf(Work&& work) {
 }
 
 /// Waits until threads of what ran before have gone to sleep: those of OpenMP look for work for some milliseconds, on
-/// cores that the next to be measured needs.
-inline void settle() { std::this_thread::sleep_for(std::chrono::milliseconds(20)); }
+/// cores that the next to be measured needs. Waits busily: a core that sleeps is slow for a while.
+inline void settle() {
+  const auto start = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - start < std::chrono::milliseconds(20)) {
+  }
+}
 
 /// Neither side pays for what the other has freed: the C library joins small freed blocks at the next large allocation.
 inline void joinFreedBlocks() {

@@ -108,10 +108,8 @@ bool Descent::exhausted() {
 
 CostTotals Descent::tryStep() {
   Stopwatch watch;
-  problem_.retract(memory_.delta);
-  const double square =
-      sumInLanes(memory_.delta.size(), [&](std::size_t i) { return memory_.delta[i] * memory_.delta[i]; });
-  relativeStep_ = std::sqrt(square) / (problem_.stateNorm() + 1e-10);
+  const Problem::StepLengths lengths = problem_.retract(memory_.delta);
+  relativeStep_ = lengths.step / (lengths.state + 1e-10);
   report_.seconds.update += watch.lap();
   // After a rejected step the next one is likely to be rejected too: then the cost alone is computed.
   if (!rejected_) {

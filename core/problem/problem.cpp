@@ -289,11 +289,12 @@ void Problem::saveBest() {
   best_ = state_;
 }
 
-void Problem::retract(std::span<const double> delta) {
+Problem::StepLengths Problem::retract(std::span<const double> delta) {
   constexpr int piece = 256;
   const int count = variables();
   const int threads = worthwhileThreads(threads_, retractionPerVariable * count);
-  parallelFor((count + piece - 1) / piece, threads, [&](std::int64_t p) {
+  squares_.resize(static_cast<std::size_t>((count + piece - 1) / piece));
+  parallelFor(static_cast<std::int64_t>(squares_.size()), threads, [&](std::int64_t p) {
     const int begin = static_cast<int>(p) * piece;
     const int end = std::min(count, begin + piece);
     const auto first =
@@ -303,21 +304,31 @@ void Problem::retract(std::span<const double> delta) {
       run->type->retractAll({records_.data() + from, to - from, dimension(from), state_.data(),
                              delta.data() + offset(from), trial_.data()});
     }
+    const double* const moved = delta.data() + offset(begin);
+    const auto scalars = static_cast<std::size_t>(offset(end - 1) + dimension(end - 1) - offset(begin));
+    squares_[static_cast<std::size_t>(p)] = {sumInLanes(scalars, [&](std::size_t i) { return moved[i] * moved[i]; }),
+                                             squaredValues(begin, end)};
   });
+  StepLengths sums{0.0, 0.0};
+  for (const StepLengths& own : squares_) {
+    sums.step += own.step;
+    sums.state += own.state;
+  }
+  return {std::sqrt(sums.step), std::sqrt(sums.state)};
 }
 
-double Problem::stateNorm() const {
+double Problem::squaredValues(int begin, int end) const {
   // Slots between two fixed ones follow each other, and what pads records is zero.
   double sum = 0.0;
-  for (int begin = 0, end = 0; begin < variables(); begin = end) {
-    const int first = slotOfVariable(begin);
-    for (end = begin + 1; end < variables() && slotOfVariable(end) == first + end - begin;) ++end;
-    const int last = first + end - begin - 1;
+  for (int from = begin, to = 0; from < end; from = to) {
+    const int first = slotOfVariable(from);
+    for (to = from + 1; to < end && slotOfVariable(to) == first + to - from;) ++to;
+    const int last = first + to - from - 1;
     const double* const values = state_.record(first);
     const std::ptrdiff_t count = state_.record(last) + layout_.valueCount(last) - values;
     sum += sumInLanes(static_cast<std::size_t>(count), [&](std::size_t i) { return values[i] * values[i]; });
   }
-  return std::sqrt(sum);
+  return sum;
 }
 
 CostTotals Problem::evaluate(const State& state) {

@@ -74,12 +74,15 @@ class Problem {
 
   const State& state() const { return state_; }
   const State& trial() const { return trial_; }
+  /// Lengths over all variables: ‖δ‖, and ‖x‖ of the values it moves.
+  struct StepLengths {
+    double step;
+    double state;
+  };
   /// trial = state ⊞ delta, delta over all variables.
-  void retract(std::span<const double> delta);
+  StepLengths retract(std::span<const double> delta);
   /// The trial becomes the state, and the old state the next trial.
   void acceptTrial() { std::swap(state_, trial_); }
-  /// ‖x‖ over the values of all variables.
-  double stateNorm() const;
   /// Keeps a copy of the state, or brings it back.
   void saveBest();
   void restoreBest() { state_ = best_; }
@@ -131,7 +134,11 @@ class Problem {
     int begin;
     int end;
   };
+  /// Σ x² over the values of variables begin … end − 1.
+  double squaredValues(int begin, int end) const;
+
   std::vector<Run> runs_;
+  std::vector<StepLengths> squares_;  // of pieces that are moved together
   std::vector<std::int64_t> records_;
   State state_;
   State trial_;
