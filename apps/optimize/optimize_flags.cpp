@@ -113,9 +113,10 @@ void addAlgorithmFlags(CLI::App& command, OptimizeFlags& flags) {
 
 void addStartFlags(CLI::App& command, OptimizeFlags& flags) {
   command
-      .add_option("--init", flags.init,
-                  "Initial guess: the file's estimates, a tree, odometry, chordal relaxation, or the best")
-      ->type_name("auto|file|tree|odometry|chordal")
+      .add_option(
+          "--init", flags.init,
+          "Initial guess: the file's estimates, a tree, odometry, chordal relaxation, measured points, or the best")
+      ->type_name("auto|file|tree|odometry|chordal|points")
       ->capture_default_str();
   addList(command, "--fix", flags.fix, "Vertices to hold fixed, beside the file's FIX lines", vertexId())
       ->type_name("ID[,ID...]");
