@@ -31,12 +31,12 @@ struct EdgeIds {
   std::int64_t first = 0;
   std::int64_t second = 0;
   const Edge* edge = nullptr;
+  bool more = false;
 
   bool operator<(const EdgeIds& other) const {
     if (first != other.first) return first < other.first;
     if (second != other.second) return second < other.second;
-    return (edge->arity() > 2 || other.edge->arity() > 2) &&
-           compareRanges(edge->vertexIds(), other.edge->vertexIds()) < 0;
+    return (more || other.more) && compareRanges(edge->vertexIds(), other.edge->vertexIds()) < 0;
   }
 };
 
@@ -174,7 +174,7 @@ void sortEdges(const Graph& graph, std::vector<const Edge*>& edges) {
   keys.reserve(edges.size());
   for (const Edge* edge : edges) {
     const auto ids = edge->vertexIds();
-    keys.push_back({ids[0], ids.size() > 1 ? ids[1] : -1, edge});
+    keys.push_back({ids[0], ids.size() > 1 ? ids[1] : -1, edge, ids.size() > 2});
   }
   if (!std::is_sorted(keys.begin(), keys.end())) std::stable_sort(keys.begin(), keys.end());
   for (std::size_t i = 0; i < keys.size(); ++i) edges[i] = keys[i].edge;
