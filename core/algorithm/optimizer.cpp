@@ -255,17 +255,19 @@ Optimizer::Optimizer(Options options) : options_(std::move(options)), compiled_(
 Optimizer::~Optimizer() = default;
 Optimizer::Optimizer(Optimizer&&) noexcept = default;
 Optimizer& Optimizer::operator=(Optimizer&&) noexcept = default;
-bool Optimizer::reused() const { return compiled_->reused; }
+bool Optimizer::reused() const { return compiled_ && compiled_->reused; }
 Options& Optimizer::options() { return options_; }
 
 Problem& Optimizer::compile(Graph& graph) {
   options_.validate();
+  if (!compiled_) compiled_ = std::make_unique<Compiled>();
   compiled_->compile(graph, options_, true);
   return *compiled_->problem;
 }
 
 Summary& Optimizer::run(Graph& graph, bool again) {
   options_.validate();
+  if (!compiled_) compiled_ = std::make_unique<Compiled>();  // after a move
   const Stopwatch whole;
   const StopCondition stop(options_.timeLimit, options_.stopToken);
   Summary& summary = compiled_->summary;

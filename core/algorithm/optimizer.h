@@ -32,6 +32,7 @@ class Optimizer {
  public:
   explicit Optimizer(Options options = {});
   ~Optimizer();
+  /// What was moved from knows nothing any more and may be used again.
   Optimizer(Optimizer&&) noexcept;
   Optimizer& operator=(Optimizer&&) noexcept;
 

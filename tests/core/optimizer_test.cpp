@@ -241,6 +241,17 @@ TEST(Optimizer, ReusesItsStructure) {
   EXPECT_FALSE(optimizer.reused());
 }
 
+TEST(MovedOptimizer, KnowsNothingAndServesAgain) {
+  Graph graph = ringGraph<EdgeRangeDual>(20, 4);
+  Optimizer optimizer;
+  (void)optimizer.optimize(graph);
+  Optimizer other = std::move(optimizer);
+  (void)other.optimize(graph);
+  EXPECT_TRUE(other.reused());
+  EXPECT_FALSE(optimizer.reused());
+  EXPECT_TRUE(optimizer.optimize(graph).converged());
+}
+
 TEST(Options, NameKnownTypesEvenForOneVariable) {
   Graph graph = points(1);
   Options options;
