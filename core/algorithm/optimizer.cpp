@@ -253,8 +253,14 @@ struct Optimizer::Compiled {
 
 Optimizer::Optimizer(Options options) : options_(std::move(options)), compiled_(std::make_unique<Compiled>()) {}
 Optimizer::~Optimizer() = default;
-Optimizer::Optimizer(Optimizer&&) noexcept = default;
-Optimizer& Optimizer::operator=(Optimizer&&) noexcept = default;
+Optimizer::Optimizer(Optimizer&& other) noexcept
+    : options_(std::exchange(other.options_, Options())), compiled_(std::move(other.compiled_)) {}
+Optimizer& Optimizer::operator=(Optimizer&& other) noexcept {
+  if (this == &other) return *this;
+  options_ = std::exchange(other.options_, Options());
+  compiled_ = std::move(other.compiled_);
+  return *this;
+}
 bool Optimizer::reused() const { return compiled_ && compiled_->reused; }
 Options& Optimizer::options() { return options_; }
 

@@ -32,7 +32,7 @@ class Optimizer {
  public:
   explicit Optimizer(Options options = {});
   ~Optimizer();
-  /// What was moved from knows nothing any more and may be used again.
+  /// What was moved from has default options, knows nothing any more, and may be used again.
   Optimizer(Optimizer&&) noexcept;
   Optimizer& operator=(Optimizer&&) noexcept;
 
