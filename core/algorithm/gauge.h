@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <span>
 #include <vector>
 
 #include <quiver/core/algorithm/summary.h>
@@ -29,16 +27,5 @@ struct ComponentGauge {
 /// The directions are tested, not assumed: with G the generators that vertex types supply, a combination c is free
 /// where ‖J G c‖ vanishes over all edges of the component. One pass over the edges at `problem.state()`.
 std::vector<ComponentGauge> findGauges(const Problem& problem);
-
-/// Directions of a slot that a gauge holds.
-struct HeldSlot {
-  int slot;
-  std::uint64_t directions;
-};
-
-/// Whether moving a held direction would lower the cost, at a minimum over all others: then it was no freedom, only
-/// unnoticed beside errors that changed far more where it was tested. Without noise the gradient there is zero, since
-/// along the freedom of its component the cost does not change. O(edges), linearises those on held slots alone.
-bool holdsBite(const Problem& problem, std::span<const HeldSlot> holds, double cost);
 
 }  // namespace quiver

@@ -11,6 +11,7 @@
 #include <quiver/core/algorithm/algorithms.h>
 #include <quiver/core/algorithm/descent.h>
 #include <quiver/core/algorithm/gauge.h>
+#include <quiver/core/algorithm/hold_check.h>
 #include <quiver/core/algorithm/memory_estimate.h>
 #include <quiver/core/algorithm/structure_key.h>
 #include <quiver/core/util/error.h>
@@ -194,7 +195,7 @@ struct Optimizer::Compiled {
   /// Asked whether it eliminates, not analysed yet.
   std::unique_ptr<LinearSystem> asked;
   GaugeReport gauge;
-  std::vector<HeldSlot> held;
+  HoldCheck holds;
   DescentMemory memory;
   Summary summary;
   bool settled = false;
@@ -214,7 +215,7 @@ struct Optimizer::Compiled {
     asked.reset();
     problem.reset();
     gauge = {};
-    held.clear();
+    holds = {};
     settled = false;
     key = {};  // should compiling fail, nothing is known
     registry = graph.registry();
@@ -232,7 +233,7 @@ struct Optimizer::Compiled {
     const bool damped =
         algorithm ? algorithm->value.damped : hasRobustKernel(*problem) || asked->eliminates(*problem, options);
     try {
-      held = settleGauge(*problem, options, damped, gauge);
+      holds = HoldCheck(*problem, settleGauge(*problem, options, damped, gauge));
       settled = true;
     } catch (const WorkStopped&) {
       gauge = {};
@@ -280,8 +281,8 @@ Summary& Optimizer::run(Graph& graph, bool again) {
   summary.clear();
   summary.threads = threadsOf(options_);
   solve(graph, again, options_, stop);
-  if (summary.status == Status::converged && !compiled_->held.empty() &&
-      holdsBite(*compiled_->problem, compiled_->held, summary.finalCost)) {
+  if (summary.status == Status::converged && !compiled_->holds.empty() &&
+      compiled_->holds.bites(*compiled_->problem, summary.finalCost)) {
     const Summary first = summary;
     Options released = options_;
     released.gauge = GaugePolicy::free;
