@@ -1,0 +1,79 @@
+// A second solve of the same structure allocates nothing, whatever the algorithm, with a gauge held or free.
+#include <atomic>
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+#include <gtest/gtest.h>
+#include <quiver/core/algorithm/optimizer.h>
+#include <quiver/core/graph/robust_kernels.h>
+
+#include "ring_graph.h"
+
+namespace {
+
+std::atomic<bool> countAllocations{false};
+std::atomic<int> allocations{0};
+
+[[maybe_unused]] void* allocate(std::size_t size, std::size_t alignment) {
+  if (countAllocations) ++allocations;
+  void* memory = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment + alignment);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+// Sanitizers need operators of their own.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+void* operator new(std::size_t size) { return allocate(size, alignof(std::max_align_t)); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return allocate(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+#endif
+
+namespace quiver {
+namespace {
+
+using namespace test;
+
+void expectNoAllocation(Graph start, const std::string& algorithm, GaugePolicy gauge) {
+  Graph graph = start;
+  Optimizer optimizer({.algorithm = algorithm, .gauge = gauge, .threads = 1});
+  for (int call = 0; call < 3; ++call) {
+    start.forEachVertex([&](Vertex& vertex) {
+      const VertexType& type = start.typeOf(vertex);
+      type.setValues(*graph.findVertex(vertex.id()), type.values(vertex));
+    });
+    allocations = 0;
+    countAllocations = call == 2;
+    const Summary& summary = optimizer.optimize(graph);
+    countAllocations = false;
+    EXPECT_EQ(summary.status, Status::converged) << summary.reason;
+  }
+  EXPECT_TRUE(optimizer.reused());
+  EXPECT_EQ(allocations, 0) << algorithm;
+}
+
+TEST(Allocation, ASecondSolveNeedsNone) {
+  for (const std::string algorithm : {"auto", "gn", "lm", "dogleg"}) {
+    for (const GaugePolicy gauge : {GaugePolicy::automatic, GaugePolicy::fix})
+      expectNoAllocation(ringGraph<EdgeRangeAnalyticLanes>(40, 9), algorithm, gauge);
+  }
+}
+
+TEST(Allocation, NorWithKernelsOrOneVariable) {
+  Graph robust = ringGraph<EdgeRangeDual>(40, 9);
+  robust.forEachEdge([](Edge& edge) { edge.setRobustKernel(RobustKernelHuber(1.0)); });
+  expectNoAllocation(robust, "auto", GaugePolicy::automatic);
+  Graph single = ringGraph<EdgeRangeDual>(10, 3);
+  single.forEachVertex([](Vertex& vertex) { vertex.setFixed(vertex.id() != 4); });
+  expectNoAllocation(single, "auto", GaugePolicy::automatic);
+}
+
+}  // namespace
+}  // namespace quiver
