@@ -42,13 +42,13 @@ MeasuredPoint measuredPoint(const Vector3& z, const Matrix3& information, const 
 /// Where cameras are in the body, as parameters of edges that measure points.
 class Offsets {
  public:
-  explicit Offsets(Graph& graph) : graph_(graph) {
-    std::as_const(graph).forEachParameter([&](const Parameter& parameter) { next_ = std::max(next_, parameter.id()); });
-  }
+  explicit Offsets(Graph& graph) : graph_(graph) {}
   std::int64_t of(std::int64_t camera, const Vector<double, 11>& numbers) {
-    const auto [place, isNew] = known_.try_emplace(camera, next_ + 1);
-    if (isNew) graph_.addParameter<ParameterSE3Offset>(++next_, detail::cameraPose(numbers));
-    return place->second;
+    const auto [place, isNew] = known_.try_emplace(camera, 0);
+    if (!isNew) return place->second;
+    while (graph_.findParameter(next_) != nullptr) ++next_;
+    graph_.addParameter<ParameterSE3Offset>(next_, detail::cameraPose(numbers));
+    return place->second = next_;
   }
 
  private:

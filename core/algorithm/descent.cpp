@@ -51,6 +51,7 @@ std::string Descent::describeBadEdge(const CostTotals& totals) const {
 bool Descent::begin() {
   watch_ = Stopwatch();
   totals_.chi2 = totals_.cost = std::numeric_limits<double>::quiet_NaN();  // should linearising be stopped
+  summary_.initialChi2 = summary_.initialCost = totals_.cost;
   totals_ = system_.linearize(problem_.state());
   summary_.initialChi2 = summary_.finalChi2 = totals_.chi2;
   summary_.initialCost = summary_.finalCost = totals_.cost;
@@ -202,21 +203,24 @@ bool Descent::costRests(double change) const {
 
 bool Descent::costIsRounding() const {
   constexpr double negligible = 1e-6;  // squared standard deviations an edge: in statistics nothing
-  return options_.costTolerance > 0.0 && totals_.cost <= negligible * static_cast<double>(problem_.edges()) &&
-         totals_.cost <= roundings();
+  return options_.costTolerance > 0.0 && totals_.cost >= 0.0 &&
+         totals_.cost <= negligible * static_cast<double>(problem_.edges()) && totals_.cost <= roundings();
 }
 
 double Descent::roundings() const {
   const auto diagonal = system_.diagonal();
-  double sum = 0.0;  // Σ Hᵢᵢ x², x the largest number of the vertex
+  double sum = 0.0;  // Σ Hᵢᵢ x², x the number that moves or, on a manifold, the largest of the vertex
   for (int variable = 0; variable < problem_.variables(); ++variable) {
     const int slot = problem_.slotOfVariable(variable);
     const double* const values = problem_.state().record(slot);
     double largest = 0.0;
     for (int i = 0; i < problem_.layout().valueCount(slot); ++i) largest = std::max(largest, std::abs(values[i]));
     const auto offset = static_cast<std::size_t>(problem_.offset(variable));
-    for (int i = 0; i < problem_.dimension(variable); ++i)
-      sum += diagonal[offset + static_cast<std::size_t>(i)] * largest * largest;
+    const bool plain = problem_.layout().valueCount(slot) == problem_.dimension(variable);
+    for (int i = 0; i < problem_.dimension(variable); ++i) {
+      const double x = plain ? values[i] : largest;
+      sum += diagonal[offset + static_cast<std::size_t>(i)] * x * x;
+    }
   }
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
   constexpr double onTheWay = 10.0;  // roundings from an estimate to an error, about, squared

@@ -11,6 +11,8 @@ constexpr double chordChange = 1e-6;
 /// So many steps in a row may leave the cost above the lowest met: a full step far from the optimum often overshoots
 /// and still leads to where the next ones converge.
 constexpr int mostDetours = 3;
+/// Of a cost: what no step can be seen to lower it by.
+constexpr double rounding = 1e-15;
 
 }  // namespace
 
@@ -34,6 +36,14 @@ bool gaussNewton(Descent& descent, bool careful) {
     }
     descent.setLinearIterations(outcome.iterations);
     const double before = descent.totals().cost;
+    // −gᵀδ, what the model promises: less than rounding can tell is the end.
+    double predicted = 0.0;
+    const auto gradient = descent.system().gradient();
+    for (std::size_t i = 0; i < gradient.size(); ++i) predicted -= gradient[i] * descent.delta()[i];
+    if (descent.options().costTolerance > 0.0 && predicted >= 0.0 && predicted <= rounding * before) {
+      descent.finishWithoutProspect(predicted);
+      return true;
+    }
     const CostTotals trial = descent.tryStep();
     const bool rises = !(trial.cost <= before * (1.0 + 1e-9));
     const bool above = !(trial.cost <= descent.bestCost() * (1.0 + 1e-9));

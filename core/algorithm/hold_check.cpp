@@ -46,9 +46,10 @@ void HoldCheck::add(const Problem& problem, const Incidence& incidence) {
   }
 }
 
-bool HoldCheck::bites(const Problem& problem, double cost) {
-  constexpr double negligible = 1e-8;  // of the cost: what one held direction could lower it by
-  constexpr double rounding = 1e-14;   // of the estimates: how far it would go for that
+bool HoldCheck::bites(const Problem& problem, double cost, double costTolerance) {
+  // Of the cost: what one held direction could lower it by. What the others have left to gain shows there too.
+  const double negligible = std::max(1e-6, 1e4 * costTolerance);
+  constexpr double rounding = 1e-14;  // of the estimates: how far it would go for that
   double largest = 0.0;
   for (std::int64_t i = 0; i < problem.layout().size(); ++i)
     largest = std::max(largest, std::abs(problem.state().data()[i]));

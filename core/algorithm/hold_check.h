@@ -26,7 +26,7 @@ class HoldCheck {
   /// unnoticed beside errors that changed far more where it was tested. Along a true freedom of a component the cost
   /// does not change, so the gradient there is zero. `problem` is the one of construction, its edges too. Linearises
   /// the edges on held slots; allocates nothing.
-  bool bites(const Problem& problem, double cost);
+  bool bites(const Problem& problem, double cost, double costTolerance);
 
  private:
   struct Hold {

@@ -282,14 +282,26 @@ Summary& Optimizer::run(Graph& graph, bool again) {
   summary.threads = threadsOf(options_);
   solve(graph, again, options_, stop);
   if (summary.status == Status::converged && !compiled_->holds.empty() &&
-      compiled_->holds.bites(*compiled_->problem, summary.finalCost)) {
+      compiled_->holds.bites(*compiled_->problem, summary.finalCost, options_.costTolerance)) {
     const Summary first = summary;
+    const Graph converged(graph);
     Options released = options_;
     released.gauge = GaugePolicy::free;
     solve(graph, false, released, stop);
-    summary.initialChi2 = first.initialChi2;
-    summary.initialCost = first.initialCost;
-    summary.gauge.reason = first.gauge.reason + "; released where that kept the cost from falling further";
+    constexpr double gain = 1e-9;
+    const bool failed = summary.status == Status::numericalFailure || summary.status == Status::memoryLimit;
+    if (!failed && summary.finalCost < (1.0 - gain) * first.finalCost) {
+      summary.initialChi2 = first.initialChi2;
+      summary.initialCost = first.initialCost;
+      summary.gauge.reason = first.gauge.reason + "; released where that kept the cost from falling further";
+    } else {
+      // What was held was free after all.
+      summary = first;
+      converged.forEachVertex([&](const Vertex& vertex) {
+        if (vertex.hasEstimate())
+          graph.typeOf(vertex).setValues(*graph.findVertex(vertex.id()), graph.typeOf(vertex).values(vertex));
+      });
+    }
   }
   summary.seconds.total = whole.seconds();
   return summary;

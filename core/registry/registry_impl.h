@@ -211,6 +211,13 @@ struct RoleNames<std::tuple<V...>> {
   };
   static constexpr std::array<std::string_view, sizeof...(V)> names{Role<V>::name...};
   static constexpr bool variable = (Role<V>::any || ...);
+  static constexpr bool lastAlone() {
+    constexpr bool any[] = {Role<V>::any...};
+    for (std::size_t i = 0; i + 1 < sizeof...(V); ++i) {
+      if (any[i]) return false;
+    }
+    return true;
+  }
 };
 
 template <typename Parameters>
@@ -233,6 +240,7 @@ class EdgeTypeOf final : public EdgeType {
   EdgeTypeOf(std::string tag, std::string documentation)
       : EdgeType(std::move(tag), typeName<E>(), std::move(documentation)) {
     static_assert(alignof(E) <= 8, "an edge may not ask for more alignment than a double");
+    static_assert(Roles::lastAlone(), "only the last of an edge's vertices may be AnyNumberOf<V>");
   }
 
   std::size_t objectSize() const override { return sizeof(E); }
