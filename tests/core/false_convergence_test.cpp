@@ -63,6 +63,29 @@ TEST(FalseConvergence, ATrueGaugeStaysHeld) {
   EXPECT_EQ(summary.gauge.fixed.size(), 1U);
 }
 
+TEST(FalseConvergence, ATrueGaugeStaysHeldWhereADescentEndsEarly) {
+  for (const std::string algorithm : {"gn", "lm", "dogleg"}) {
+    for (const double tolerance : {1e-3, 1e-6}) {
+      Graph graph = ringGraph<EdgeRangeDual>(40, 6);
+      const Summary summary =
+          optimize(graph, {.algorithm = algorithm, .gauge = GaugePolicy::fix, .costTolerance = tolerance});
+      EXPECT_EQ(summary.status, Status::converged) << algorithm << ": " << summary.reason;
+      EXPECT_THAT(summary.gauge.reason, Not(HasSubstr("released"))) << algorithm << ", " << tolerance;
+      EXPECT_EQ(summary.gauge.fixed.size(), 1U);
+    }
+  }
+}
+
+TEST(FalseConvergence, NumbersOfAVertexCountByThemselves) {
+  // An epoch of 1.7e9 s beside a drift of 1e-7: what rounds the one says nothing of the other.
+  Graph graph(makeRegistry());
+  graph.addVertex<VertexPoint>(0, Vector<double, 2>(1.7e9, 0.0));
+  graph.addEdge<EdgePoint>({0}, Vector<double, 2>(1.7e9, 1e-4), weight2());
+  const Summary summary = optimize(graph);
+  EXPECT_EQ(summary.status, Status::converged);
+  EXPECT_NEAR(graph.vertex<VertexPoint>(0).estimate()[1], 1e-4, 1e-12);
+}
+
 /// A descent that says it has converged finds nothing more when it is asked again.
 void expectNothingLeft(Graph& graph, const std::string& algorithm, double tolerance) {
   const Summary first = optimize(graph, {.maxIterations = 500, .algorithm = algorithm});
