@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include <quiver/core/algorithm/descent.h>
+#include <quiver/core/util/lane_sums.h>
 
 namespace quiver {
 
@@ -37,9 +38,9 @@ bool gaussNewton(Descent& descent, bool careful) {
     descent.setLinearIterations(outcome.iterations);
     const double before = descent.totals().cost;
     // −gᵀδ, what the model promises: less than rounding can tell is the end.
-    double predicted = 0.0;
     const auto gradient = descent.system().gradient();
-    for (std::size_t i = 0; i < gradient.size(); ++i) predicted -= gradient[i] * descent.delta()[i];
+    const std::vector<double>& delta = descent.delta();
+    const double predicted = -sumInLanes(delta.size(), [&](std::size_t i) { return gradient[i] * delta[i]; });
     if (descent.options().costTolerance > 0.0 && predicted >= 0.0 && predicted <= rounding * before) {
       descent.finishWithoutProspect(predicted);
       return true;

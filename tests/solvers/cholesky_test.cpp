@@ -2,42 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cstdlib>
 #include <cstring>
-#include <new>
 #include <numeric>
 
 #include <quiver/core/util/error.h>
 #include <quiver/solvers/cholesky/arena_planner.h>
 #include <quiver/solvers/cholesky/kernels/kernel_table.h>
+#include <tests/allocation_counter.h>
 #include <tests/solvers/random_system.h>
-
-namespace {
-
-std::atomic<bool> countAllocations{false};
-std::atomic<int> allocations{0};
-
-[[maybe_unused]] void* allocate(std::size_t size, std::size_t alignment) {
-  if (countAllocations) ++allocations;
-  void* memory = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment + alignment);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
-
-}  // namespace
-
-// The whole test program counts what the numeric phases allocate; sanitizers need operators of their own.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-void* operator new(std::size_t size) { return allocate(size, alignof(std::max_align_t)); }
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  return allocate(size, static_cast<std::size_t>(alignment));
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
-#endif
 
 namespace quiver::test {
 namespace {
