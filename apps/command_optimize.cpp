@@ -19,6 +19,7 @@
 #include <quiver/apps/support/output.h>
 #include <quiver/apps/support/standard_streams.h>
 #include <quiver/core/algorithm/optimizer.h>
+#include <quiver/core/graph/estimates.h>
 #include <quiver/core/util/stop_condition.h>
 #include <quiver/core/util/stopwatch.h>
 

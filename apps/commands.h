@@ -15,5 +15,6 @@ void addConvertCommand(CLI::App& parser, int& exitCode);
 void addSimulateCommand(CLI::App& parser, int& exitCode);
 void addPlotCommand(CLI::App& parser, int& exitCode);
 void addEvaluateCommand(CLI::App& parser, int& exitCode);
+void addCheckCommand(CLI::App& parser, int& exitCode);
 
 }  // namespace quiver::app

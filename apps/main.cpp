@@ -76,6 +76,7 @@ int runCommand(int count, char** words) {
   addSimulateCommand(parser, exitCode);
   addPlotCommand(parser, exitCode);
   addEvaluateCommand(parser, exitCode);
+  addCheckCommand(parser, exitCode);
   try {
     parser.parse(count, words);
   } catch (const CLI::Success& asked) {  // --help, --version

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <new>
 
+#include <quiver/core/graph/estimates.h>
 #include <quiver/quiver.h>
 
 #include "peers/measure.h"
@@ -77,10 +78,7 @@ int main(int count, char** words) {
     std::vector<double> setups;
     Call again;
     for (int round = 0; round < arguments.rounds; ++round) {
-      graph.forEachVertex([&](Vertex& vertex) {
-        const VertexType& type = graph.typeOf(vertex);
-        type.setValues(vertex, type.values(*start.findVertex(vertex.id())));
-      });
+      copyEstimates(start, graph);
       again = call(optimizer, graph);
       seconds.push_back(again.seconds);
       setups.push_back(again.setup);

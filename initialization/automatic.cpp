@@ -7,6 +7,7 @@
 
 #include <quiver/core/algorithm/memory_estimate.h>
 #include <quiver/core/algorithm/optimizer.h>
+#include <quiver/core/graph/estimates.h>
 #include <quiver/core/problem/problem.h>
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/stop_condition.h>
@@ -36,32 +37,6 @@ std::int64_t redundancy(const Problem& problem) {
   }
   return residuals - problem.scalars();
 }
-
-/// The estimates of all vertices, to bring them back.
-class Estimates {
- public:
-  explicit Estimates(Graph& graph) : graph_(graph) {
-    std::as_const(graph).forEachVertex([&](const Vertex& vertex) {
-      const VertexType& type = graph.typeOf(vertex);
-      const double* values = type.values(vertex);
-      values_.insert(values_.end(), values, values + type.valueCount(vertex));
-    });
-  }
-  void restore() {
-    const double* next = values_.data();
-    graph_.forEachVertex([&](Vertex& vertex) {
-      const bool had = vertex.hasEstimate();
-      const VertexType& type = graph_.typeOf(vertex);
-      type.setValues(vertex, next);
-      vertex.setHasEstimate(had);
-      next += type.valueCount(vertex);
-    });
-  }
-
- private:
-  Graph& graph_;
-  std::vector<double> values_;
-};
 
 }  // namespace
 
@@ -98,7 +73,7 @@ AutomaticStart automaticStart(Graph& graph, Optimizer& optimizer) {
   double lowest = before;
   const auto consider = [&](const char* name, const Initializer& initializer) {
     if (stop.reached()) return;
-    Estimates saved(graph);
+    const SavedEstimates saved(graph);
     try {
       const std::string words = initializer(graph, remaining());
       problem.refresh();
@@ -112,8 +87,7 @@ AutomaticStart automaticStart(Graph& graph, Optimizer& optimizer) {
     } catch (const GraphError&) {
       // No such start for this graph: not an error, the other one stands.
     }
-    std::as_const(graph).forEachVertex([&](const Vertex& vertex) { const_cast<Vertex&>(vertex).setHasEstimate(true); });
-    saved.restore();
+    saved.restore(graph);
   };
   consider("chordal", chordalEstimate);
   if (const Initializer* points = graph.registry()->findInitializer("points"); points && lowest > redundant)

@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <quiver/core/algorithm/optimizer.h>
+#include <quiver/core/graph/estimates.h>
 #include <quiver/types_slam3d/edge_se3_projection.h>
 #include <quiver/types_slam3d/edge_se3_xyz.h>
 
@@ -99,9 +100,7 @@ std::string measuredPointsEstimate(Graph& graph, const Options& options) {
   quiet.phase = {};
   quiet.algorithm = "auto";
   const Summary summary = optimize(copy, quiet);
-  std::as_const(copy).forEachVertex([&](const Vertex& vertex) {
-    graph.typeOf(vertex).setValues(*graph.findVertex(vertex.id()), copy.typeOf(vertex).values(vertex));
-  });
+  copyEstimates(copy, graph);
   return fmt::format("{} pixels with depths taken for points, {} steps", count, summary.iterations.size());
 }
 

@@ -23,11 +23,4 @@ Graph withLogarithmicEdges(const Graph& graph) {
   return copy;
 }
 
-void copyEstimates(const Graph& from, Graph& to) {
-  from.forEachVertex([&](const Vertex& vertex) {
-    if (vertex.hasEstimate())
-      to.typeOf(vertex).setValues(*to.findVertex(vertex.id()), from.typeOf(vertex).values(vertex));
-  });
-}
-
 }  // namespace quiver::app

@@ -8,7 +8,4 @@ namespace quiver::app {
 /// that they are evaluated with the logarithm of the pose. Kernels and levels are kept, attached text is not.
 Graph withLogarithmicEdges(const Graph& graph);
 
-/// Sets the estimates of `to` to those of the vertices of the same ids in `from`.
-void copyEstimates(const Graph& from, Graph& to);
-
 }  // namespace quiver::app

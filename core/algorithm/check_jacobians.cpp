@@ -63,20 +63,17 @@ class EdgeDifferences {
     double size = 1.0;
     for (const double entry : block) size = std::max(size, std::abs(entry));
     for (int c = 0; c < columns; ++c) {
-      const std::vector<double> wide = difference(edge, slot, shape.rows, columns, c, step_);
-      const std::vector<double> narrow = difference(edge, slot, shape.rows, columns, c, 0.5 * step_);
-      // A jump of one or more: its slope over the step. Where the error is as steep as that, differences tell nothing.
-      const auto jumps = [this](double slope) { return std::abs(slope) > 0.5 / step_; };
-      if (std::any_of(wide.begin(), wide.end(), jumps) || std::any_of(narrow.begin(), narrow.end(), jumps)) {
+      const Column column = differentiate(edge, slot, shape.rows, columns, c);
+      if (column.slopes.empty()) {
         ++jumps_;
         continue;
       }
       for (int r = 0; r < shape.rows; ++r) {
         const auto i = static_cast<std::size_t>(r);
         const double computed = block[static_cast<std::size_t>(c * shape.rows + r)];
-        const double expected = (4.0 * narrow[i] - wide[i]) / 3.0;
+        const double expected = column.slopes[i];
         const double difference = std::abs(computed - expected);
-        const double deviation = std::isfinite(difference) ? std::max(0.0, difference - rounding_) / size
+        const double deviation = std::isfinite(difference) ? std::max(0.0, difference - column.rounding) / size
                                                            : std::numeric_limits<double>::infinity();
         if (!(deviation > worst.deviation) && !worst.vertices.empty()) continue;
         const auto ids = batch_.edge(edge[0]).vertexIds();
@@ -84,6 +81,47 @@ class EdgeDifferences {
         worst.direction = problem_.vertexType(slot).tangentNames(columns)[static_cast<std::size_t>(c)];
       }
     }
+  }
+
+  /// A column by differences, and what rounding makes of them. No slopes where the error jumps.
+  struct Column {
+    std::vector<double> slopes;
+    double rounding = 0.0;
+  };
+
+  /// Differences over h and h/2, extrapolated. Where they disagree the error bends within the step, as it does along a
+  /// coordinate whose own size is tiny: then with shorter steps, down to where they agree.
+  Column differentiate(std::span<const std::int32_t> edge, int slot, int rows, int columns, int direction) {
+    constexpr double agreement = 1e-3;
+    constexpr double negligible = 1e-2;
+    constexpr double spreads = 4.0;
+    constexpr double shorter = 1.0 / 32.0;
+    constexpr int tries = 8;
+    Column first;
+    double h = step_;
+    for (int attempt = 0; attempt <= tries; ++attempt, h *= shorter) {
+      const std::vector<double> wide = difference(edge, slot, rows, columns, direction, h);
+      const std::vector<double> narrow = difference(edge, slot, rows, columns, direction, 0.5 * h);
+      Column column{std::vector<double>(wide.size()), rounding_};
+      // A third one, since two may agree by chance where the error oscillates within the step.
+      const std::vector<double> third = difference(edge, slot, rows, columns, direction, 0.37 * h);
+      double apart = 0.0, size = 0.0;
+      for (std::size_t r = 0; r < wide.size(); ++r) {
+        column.slopes[r] = (4.0 * narrow[r] - wide[r]) / 3.0;
+        apart = std::max({apart, std::abs(narrow[r] - wide[r]), std::abs(narrow[r] - third[r])});
+        size = std::max(size, std::abs(narrow[r]));
+      }
+      if (attempt > 0) {
+        // A step shorter than usual is not much longer than the rounding of what moves, nor a steep error free of it.
+        if (stepRounding_ > negligible * h) break;
+        column.rounding = std::max({column.rounding, size * stepRounding_ / h, spreads * apart});
+      }
+      // A jump of one or more: its slope over the step. Where the error is as steep as that, differences tell nothing.
+      if (!(size <= 0.5 / h)) continue;
+      if (apart <= agreement * size + rounding_) return column;
+      if (first.slopes.empty()) first = std::move(column);
+    }
+    return first;
   }
 
   /// (e(x ⊞ h) − e(x ⊟ h)) / 2h along one direction of one vertex; leaves the state as it was.
@@ -105,13 +143,15 @@ class EdgeDifferences {
     double size = 0.0;
     const int count = problem_.layout().valueCount(slot);
     for (int k = 0; k < count; ++k) size = std::max(size, std::abs(x[k]));
+    constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    stepRounding_ = epsilon * (count == columns ? std::abs(x[direction]) : size);
     for (std::size_t r = 0; r < forward.size(); ++r) {
       size = std::max(size, std::abs(forward[r]));
       forward[r] = (forward[r] - backward[r]) / (2.0 * h);
     }
     std::copy_n(x, count, state_.record(slot));
     constexpr double operations = 32.0;  // roundings that may add up in an error
-    rounding_ = operations * std::numeric_limits<double>::epsilon() * size / h;
+    rounding_ = operations * epsilon * size / h;
     return forward;
   }
 
@@ -121,6 +161,7 @@ class EdgeDifferences {
   PanelBuffer buffer_;
   State state_;
   double rounding_ = 0.0;
+  double stepRounding_ = 0.0;  // of the estimate along the direction
   std::int64_t jumps_ = 0;
 };
 

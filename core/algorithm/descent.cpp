@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <quiver/core/algorithm/diagnosis.h>
+#include <quiver/core/algorithm/graph_watch.h>
 #include <quiver/core/util/lane_sums.h>
 
 namespace quiver {
@@ -45,7 +46,11 @@ std::string Descent::describeBadEdge(const CostTotals& totals) const {
   const Edge& edge = problem_.batch(totals.badBatch).edge(totals.badEdge);
   std::string ids;
   for (const std::int64_t id : edge.vertexIds()) ids += fmt::format(" {}", id);
-  return fmt::format("the error of edge {}{} is not finite", problem_.edgeType(totals.badBatch).tag(), ids);
+  const std::string name = problem_.edgeType(totals.badBatch).tag() + ids;
+  if (edge.robustKernel() && std::isfinite(totals.chi2))
+    return fmt::format("robust kernel {} makes the error of edge {} a cost that is not finite",
+                       edge.robustKernel().name(), name);
+  return fmt::format("the error of edge {} is not finite", name);
 }
 
 bool Descent::begin() {
@@ -159,8 +164,14 @@ void Descent::emitReport(bool accepted) {
   system_.addSeconds(report_.seconds);
   report_.seconds.total = watch_.lap();
   summary_.iterations.push_back(report_);
-  if (options_.callback) options_.callback(report_);
+  if (options_.callback) callBack();
   report_ = {};
+}
+
+void Descent::callBack() {
+  const GraphWatch watch(problem_.graph());
+  options_.callback(report_);
+  watch.require("callback");
 }
 
 bool Descent::stopRuleMet(double costBefore) {

@@ -66,6 +66,7 @@ class Descent {
 
  private:
   void emitReport(bool accepted);
+  void callBack();
   bool stopRuleMet(double costBefore);
   /// Whether the cost is what the rounding of estimates makes of errors that are zero.
   bool costIsRounding() const;

@@ -228,6 +228,11 @@ std::string describeBadJacobian(const Problem& problem) {
     PanelBuffer buffer(batch.largestShape(), true, 1);
     for (std::int32_t i = 0; i < batch.size(); ++i) {
       batch.linearize(problem.state(), {&i, 1}, buffer.panel());
+      const RobustKernel& kernel = batch.edge(i).robustKernel();
+      if (!std::isfinite(kernel.evaluate(buffer.panel().squaredError[0]).weight)) {
+        return fmt::format("robust kernel {} gives edge {} {} a weight that is not finite", kernel.name(),
+                           problem.edgeType(b).tag(), fmt::join(batch.edge(i).vertexIds(), " "));
+      }
       const EdgeShape shape = batch.shape(i);
       for (std::size_t role = 0; role < shape.columns.size(); ++role) {
         for (int k = 0; k < shape.rows * shape.columns[role]; ++k) {

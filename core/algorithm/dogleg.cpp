@@ -50,6 +50,7 @@ class DoglegPath {
     cauchyNorm_ = norm(cauchy_);
     const LinearOutcome outcome = solveFull(descent);
     fullNorm_ = outcome.ok() ? norm(full_) : 0.0;
+    fullPromise_ = -dot(gradient, full_);
     return outcome;
   }
 
@@ -82,6 +83,8 @@ class DoglegPath {
 
   double norm(std::span<const double> delta) const { return std::sqrt(scaledDot(delta, delta)); }
   double fullNorm() const { return fullNorm_; }
+  /// −gᵀδ of the full step, by which the model falls there: no step promises more.
+  double fullPromise() const { return fullPromise_; }
   double regularization() const { return used_; }
 
  private:
@@ -116,6 +119,7 @@ class DoglegPath {
   std::vector<double>& damping_;
   double cauchyNorm_ = 0.0;
   double fullNorm_ = 0.0;
+  double fullPromise_ = 0.0;
   double regularization_ = 0.0;
   double used_ = 0.0;
 };
@@ -151,8 +155,9 @@ void dogleg(Descent& descent) {
       }
       descent.reject();
       // A promise made small by the radius alone proves nothing: only that of the full step counts.
-      if (whole && predicted > 0.0 && predicted <= descent.options().costTolerance * descent.totals().cost)
-        return descent.finishWithoutProspect(predicted);
+      const double promise = path.fullPromise();
+      if (promise > 0.0 && promise <= descent.options().costTolerance * descent.totals().cost)
+        return descent.finishWithoutProspect(promise);
       if (radius <= leastRadius * path.fullNorm()) {
         return descent.finish(
             Status::stalled,

@@ -11,9 +11,11 @@
 #include <quiver/core/algorithm/algorithms.h>
 #include <quiver/core/algorithm/descent.h>
 #include <quiver/core/algorithm/gauge.h>
+#include <quiver/core/algorithm/graph_watch.h>
 #include <quiver/core/algorithm/hold_check.h>
 #include <quiver/core/algorithm/memory_estimate.h>
 #include <quiver/core/algorithm/structure_key.h>
+#include <quiver/core/graph/estimates.h>
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/free_memory.h>
 #include <quiver/core/util/parallel.h>
@@ -94,8 +96,11 @@ std::vector<HeldSlot> settleGauge(Problem& problem, const Options& options, bool
 
 int threadsOf(const Options& options) { return options.threads > 0 ? options.threads : hardwareThreads(); }
 
-void announce(const Options& options, std::string_view phase) {
-  if (options.phase) options.phase(phase);
+void announce(const Options& options, const Graph& graph, std::string_view phase) {
+  if (!options.phase) return;
+  const GraphWatch watch(graph);
+  options.phase(phase);
+  watch.require("function told of phases");
 }
 
 /// Ends before the first linearisation. The cost is not a number if it is not to be had before the stop.
@@ -219,7 +224,7 @@ struct Optimizer::Compiled {
     settled = false;
     key = {};  // should compiling fail, nothing is known
     registry = graph.registry();
-    announce(options, "compiling the problem");
+    announce(options, graph, "compiling the problem");
     problem = std::make_unique<Problem>(graph, ProblemScope{options.level, options.free, threads});
     key = std::move(newKey);
   }
@@ -244,11 +249,27 @@ struct Optimizer::Compiled {
   /// The linear system of a problem whose gauge is settled, ready for numbers.
   void analyze(const Options& options, int threads) {
     if (system) return system->restart();
-    announce(options, "analysing the structure");
+    announce(options, problem->graph(), "analysing the structure");
     std::unique_ptr<LinearSystem> made = asked ? std::move(asked) : makeSystem(*problem->graph().registry(), options);
     made->analyze(*problem, options, threads);
     system = std::move(made);
     if (problem->edges() > largeProblem) returnFreeMemory();
+  }
+
+  /// What a function of the user's throws passes through, after the best estimate so far was stored.
+  void descendOrKeep(Descent& descent, const NamedEntry<Algorithm>* algorithm, bool damped) {
+    const GraphWatch watch(problem->graph());
+    try {
+      descend(descent, algorithm, damped, summary.plan);
+    } catch (...) {
+      if (watch.unchanged()) {
+        descent.end();
+        problem->store();
+      } else {
+        key = {};  // what was compiled points to elements that may be gone
+      }
+      throw;
+    }
   }
 };
 
@@ -284,7 +305,7 @@ Summary& Optimizer::run(Graph& graph, bool again) {
   if (summary.status == Status::converged && !compiled_->holds.empty() &&
       compiled_->holds.bites(*compiled_->problem, summary.finalCost, options_.costTolerance)) {
     const Summary first = summary;
-    const Graph converged(graph);
+    const SavedEstimates converged(graph);
     Options released = options_;
     released.gauge = GaugePolicy::free;
     solve(graph, false, released, stop);
@@ -297,10 +318,7 @@ Summary& Optimizer::run(Graph& graph, bool again) {
     } else {
       // What was held was free after all.
       summary = first;
-      converged.forEachVertex([&](const Vertex& vertex) {
-        if (vertex.hasEstimate())
-          graph.typeOf(vertex).setValues(*graph.findVertex(vertex.id()), graph.typeOf(vertex).values(vertex));
-      });
+      converged.restore(graph);
     }
   }
   summary.seconds.total = whole.seconds();
@@ -344,9 +362,9 @@ void Optimizer::solve(Graph& graph, bool again, const Options& options, const St
     return;
   }
   const bool damped = chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
-  announce(options, "optimising");
+  announce(options, graph, "optimising");
   Descent descent(problem, *compiled_->system, options, stop, compiled_->memory, summary);
-  descend(descent, algorithm, damped, summary.plan);
+  compiled_->descendOrKeep(descent, algorithm, damped);
   summary.plan.singular = compiled_->system->plan().singular;
   problem.store();
   summary.seconds.optimize += watch.lap();

@@ -55,9 +55,11 @@ struct Options {
   int level = 0;
   /// If not empty: only these vertices move, all others are held, and only edges on these take part.
   std::vector<std::int64_t> free = {};
-  /// First damping of Levenberg–Marquardt, relative to the diagonal of H.
+  /// First damping of Levenberg–Marquardt, relative to the diagonal of H; positive and finite.
   double initialDamping = 1e-4;
-  /// Called after every trial step, on the calling thread.
+  /// Called after every trial step, on the calling thread. It must leave the graph alone: GraphError if it adds,
+  /// removes or changes elements; estimates it sets are overwritten. What it throws ends the solve; the estimate so far
+  /// is kept.
   std::function<void(const IterationReport&)> callback = {};
 
   /// How robust kernels enter H.
@@ -68,7 +70,7 @@ struct Options {
   /// Iterations of an iterative linear solver at most; 0 means ten times the unknown scalars, at most 10000.
   int maxLinearIterations = 0;
   /// Called when a long phase of the work begins, with a few words that name it ("analysing the structure"), on the
-  /// calling thread.
+  /// calling thread. It must leave the graph alone like `callback`.
   std::function<void(std::string_view)> phase = {};
 
   EliminationPolicy elimination = EliminationPolicy::automatic;

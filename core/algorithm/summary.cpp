@@ -48,16 +48,20 @@ void Options::validate() const {
   if (threads > mostThreads)
     throw GraphError(fmt::format("option threads is {}: it must be {} or less", threads, mostThreads));
   demand(timeLimit >= 0.0, "timeLimit", timeLimit);
-  demand(costTolerance >= 0.0, "costTolerance", costTolerance);
-  demand(gradientTolerance >= 0.0, "gradientTolerance", gradientTolerance);
-  demand(stepTolerance >= 0.0, "stepTolerance", stepTolerance);
+  const auto demandTolerance = [](double value, const char* what) {
+    if (!(value >= 0.0) || !std::isfinite(value))
+      throw GraphError(fmt::format("option {} is {}: it must be 0 or more, and finite", what, value));
+  };
+  demandTolerance(costTolerance, "costTolerance");
+  demandTolerance(gradientTolerance, "gradientTolerance");
+  demandTolerance(stepTolerance, "stepTolerance");
   if (level < -1) throw GraphError(fmt::format("option level is {}: it must be a level, or -1 for all", level));
   demand(memoryLimit >= 0, "memoryLimit", static_cast<double>(memoryLimit));
   demand(maxLinearIterations >= 0, "maxLinearIterations", maxLinearIterations);
   if (!(linearTolerance > 0.0) || !(linearTolerance < 1.0))
     throw GraphError(fmt::format("option linearTolerance is {}: it must lie between 0 and 1", linearTolerance));
-  if (!(initialDamping > 0.0))
-    throw GraphError(fmt::format("option initialDamping is {}: it must be positive", initialDamping));
+  if (!(initialDamping > 0.0) || !std::isfinite(initialDamping))
+    throw GraphError(fmt::format("option initialDamping is {}: it must be positive and finite", initialDamping));
 }
 
 std::string iterationHeading() {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <quiver/core/problem/apply_kernels.h>
+#include <quiver/core/problem/central_difference.h>
 #include <quiver/core/problem/dynamic_calls.h>
 #include <quiver/core/problem/edge_batch.h>
 #include <quiver/core/problem/scalar_loop.h>
@@ -33,6 +34,7 @@ class DynamicBatch final : public EdgeBatch {
  public:
   explicit DynamicBatch(const BatchSource& source) : EdgeBatch(source) {
     for (int i = 0; i < size(); ++i) {
+      requireError(edge(i), typeName<E>(), typed(i).informationStore().dimension());
       for (const std::int32_t slot : slots(i)) {
         records_.push_back(source.layout.offset(slot));
         counts_.push_back(source.layout.valueCount(slot));
@@ -172,7 +174,7 @@ class DynamicBatch final : public EdgeBatch {
     const typename Calls::template Values<double> x = valuesOf<double>(state, i);
     Vector<double, Dynamic> error =
         Calls::template error<double>(typed(i), typed(i).measurement(), parametersOf<double>(i), x);
-    if (withJacobians) differentiate(state, i, shape, x, J);
+    if (withJacobians) differentiate(state, i, shape, x, error, J);
     const double* U = roots_.data() + rootBegin_[static_cast<std::size_t>(i)];
     whitenColumn(U, shape.rows, error);
     panel.squaredError[0] = error.squaredNorm();
@@ -198,6 +200,7 @@ class DynamicBatch final : public EdgeBatch {
 
   void differentiate(const State& state, int i, const EdgeShape& shape,
                      const typename Calls::template Values<double>& x,
+                     [[maybe_unused]] const Vector<double, Dynamic>& error,
                      std::vector<Matrix<double, Dynamic, Dynamic>>& J) const {
     if constexpr (form == Jacobians::analytic) {
       typename Calls::BlockLists blocks;
@@ -226,12 +229,12 @@ class DynamicBatch final : public EdgeBatch {
       for (const int columns : shape.columns) total += columns;
       for (int seed = 0; seed < total; seed += chunk) {
         typename Calls::template MeasurementOf<DualChunk> m = measurementOf<DualChunk>(i);
-        const auto error = Calls::template error<DualChunk>(typed(i), m, parametersOf<DualChunk>(i),
-                                                            valuesOf<DualChunk>(state, i, seed));
-        scatterGradients(error, seed, shape, J);
+        scatterGradients(Calls::template error<DualChunk>(typed(i), m, parametersOf<DualChunk>(i),
+                                                          valuesOf<DualChunk>(state, i, seed)),
+                         seed, shape, J);
       }
     } else {
-      differences(i, x, J);
+      differences(i, error, x, J);
     }
   }
 
@@ -264,7 +267,7 @@ class DynamicBatch final : public EdgeBatch {
     }
   }
 
-  void differences(int i, typename Calls::template Values<double> x,
+  void differences(int i, const Vector<double, Dynamic>& error, typename Calls::template Values<double> x,
                    std::vector<Matrix<double, Dynamic, Dynamic>>& J) const {
     const auto p = parametersOf<double>(i);
     const auto m = typed(i).measurement();
@@ -275,15 +278,15 @@ class DynamicBatch final : public EdgeBatch {
             using Vertex = typename Role<I>::Vertex;
             for (auto& estimate : std::get<I>(x)) {
               const auto original = estimate;
+              Vector<double, Vertex::dimension> delta = Vector<double, Vertex::dimension>::Zero(J[place].cols());
               for (int c = 0; c < J[place].cols(); ++c) {
-                const double step = differenceStep * differenceScale(original, c);
-                Vector<double, Vertex::dimension> delta = Vector<double, Vertex::dimension>::Zero(J[place].cols());
-                delta[c] = step;
-                estimate = Vertex::oplus(original, delta);
-                const Vector<double, Dynamic> forward = Calls::template error<double>(typed(i), m, p, x);
-                delta[c] = -step;
-                estimate = Vertex::oplus(original, delta);
-                J[place].col(c) = (forward - Calls::template error<double>(typed(i), m, p, x)) / (2.0 * step);
+                const auto errorAt = [&](double step) -> Vector<double, Dynamic> {
+                  delta[c] = step;
+                  estimate = Vertex::oplus(original, delta);
+                  return Calls::template error<double>(typed(i), m, p, x);
+                };
+                differentiateColumn(firstDifferenceStep(original, c), error, errorAt, J[place].col(c));
+                delta[c] = 0.0;
                 estimate = original;
               }
               ++place;

@@ -7,6 +7,13 @@
 
 namespace quiver::detail {
 
+void requireError(const Edge& edge, std::string_view type, int dimension) {
+  if (dimension > 0) return;
+  throw GraphError(fmt::format(
+      "edge {} {} has an information matrix of 0 × 0; an error has at least one number, and the matrix its size", type,
+      fmt::join(edge.vertexIds(), " ")));
+}
+
 void requireErrorSize(const Edge& edge, std::string_view type, Eigen::Index found, int expected) {
   if (found == expected) return;
   throw GraphError(fmt::format(

@@ -12,6 +12,8 @@
 namespace quiver::detail {
 
 /// Throws GraphError unless an error has as many rows as the information matrix of its edge.
+/// An error has at least one number.
+void requireError(const Edge& edge, std::string_view type, int dimension);
 void requireErrorSize(const Edge& edge, std::string_view type, Eigen::Index found, int expected);
 /// Throws GraphError unless oplus has returned an estimate of the size it was given.
 void requireEstimateSize(std::string_view type, Eigen::Index found, int expected);

@@ -23,9 +23,9 @@ void PanelTotals::add(int first, int count, const double* squaredErrors, const d
     chi2_[lane] += squaredErrors[i + lane];
     cost_[lane] += costs[i + lane];
   }
-  if (badEdge_ >= 0 || std::isfinite(sumOf(chi2_))) return;
+  if (badEdge_ >= 0 || (std::isfinite(sumOf(chi2_)) && std::isfinite(sumOf(cost_)))) return;
   for (int edge = 0; edge < count && badEdge_ < 0; ++edge) {
-    if (!std::isfinite(squaredErrors[edge])) badEdge_ = first + edge;
+    if (!std::isfinite(squaredErrors[edge]) || !std::isfinite(costs[edge])) badEdge_ = first + edge;
   }
 }
 

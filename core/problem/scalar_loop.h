@@ -1,53 +1,26 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
+#include <quiver/core/problem/central_difference.h>
 #include <quiver/core/problem/lane_loop.h>
 
 namespace quiver::detail {
 
-/// The step of a central difference in each direction of a tangent, in ε^⅓: the cube root of the size of what it
-/// moves, at least 1. Of a coordinate x the error's rounding is ε|x|, so that (ε|x|)^⅓ loses least where the error
-/// bends over lengths of about 1, however far away the world's origin is (UTM coordinates, say).
-template <typename Estimate>
-inline double differenceScale(const Estimate& x, int direction) {
-  const auto scaleOf = [](double size) { return std::cbrt(std::max(1.0, size)); };
-  if constexpr (std::is_same_v<Estimate, double>) {
-    return scaleOf(std::abs(x));
-  } else if constexpr (requires { x.translation(); }) {
-    // Translation comes first in every tangent; it moves in metres, rotation and scale in radians and logarithms.
-    if (direction >= x.translation().size()) return 1.0;
-    return scaleOf(x.translation().cwiseAbs().maxCoeff());
-  } else if constexpr (requires {
-                         x.size();
-                         x[0];
-                       }) {
-    return direction < x.size() ? scaleOf(std::abs(x[direction])) : 1.0;
-  } else {
-    return 1.0;
-  }
-}
-
-inline constexpr double differenceStep = 6.055454452393343e-06;  // cube root of the double's epsilon
-
-/// Central differences over the tangent of role I, the others held.
+/// Central differences over the tangent of role I, the others held, about x where the error is `error`.
 template <typename E, int I, typename Loop = EdgeLoop<E>>
 inline void differentiate(const E& edge, const typename Loop::Functions::template MeasurementOf<double>& m,
                           const typename Loop::template ParameterValues<double>& p,
-                          typename Loop::template Estimates<double>& x, typename Loop::template Blocks<double>& J) {
+                          const Vector<double, Loop::rows>& error, typename Loop::template Estimates<double>& x,
+                          typename Loop::template Blocks<double>& J) {
   using Vertex = std::tuple_element_t<static_cast<std::size_t>(I), typename E::VertexTypes>;
   const auto original = std::get<I>(x);
   for (int c = 0; c < Vertex::dimension; ++c) {
-    const double step = differenceStep * differenceScale(original, c);
     Vector<double, Vertex::dimension> delta = Vector<double, Vertex::dimension>::Zero();
-    delta[c] = step;
-    std::get<I>(x) = Vertex::oplus(original, delta);
-    const Vector<double, Loop::rows> forward = Loop::template callError<double>(edge, m, p, x);
-    delta[c] = -step;
-    std::get<I>(x) = Vertex::oplus(original, delta);
-    const Vector<double, Loop::rows> backward = Loop::template callError<double>(edge, m, p, x);
-    std::get<I>(J).col(c) = (forward - backward) / (2.0 * step);
+    const auto errorAt = [&](double step) {
+      delta[c] = step;
+      std::get<I>(x) = Vertex::oplus(original, delta);
+      return Loop::template callError<double>(edge, m, p, x);
+    };
+    differentiateColumn(firstDifferenceStep(original, c), error, errorAt, std::get<I>(J).col(c));
   }
   std::get<I>(x) = original;
 }
@@ -106,7 +79,7 @@ inline void scalarLoop(const BatchView& view, const std::int32_t* edges, int cou
         if constexpr (form == Jacobians::analytic) {
           Loop::template callJacobian<double>(edge, m, p, x, J);
         } else {
-          [&]<int... I>(std::integer_sequence<int, I...>) { (differentiate<E, I>(edge, m, p, x, J), ...); }
+          [&]<int... I>(std::integer_sequence<int, I...>) { (differentiate<E, I>(edge, m, p, error, x, J), ...); }
           (std::make_integer_sequence<int, Loop::arity>());
         }
       }

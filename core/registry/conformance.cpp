@@ -12,6 +12,8 @@
 #include <quiver/core/problem/problem.h>
 #include <quiver/core/problem/retraction.h>
 #include <quiver/core/registry/field_tokens.h>
+#include <quiver/core/registry/kernel_conformance.h>
+#include <quiver/core/registry/world_invariance.h>
 #include <quiver/core/util/error.h>
 
 namespace quiver {
@@ -40,6 +42,8 @@ class Conformance {
  private:
   /// How the estimates of a made-up edge are chosen.
   enum class Draw { random, nearSolution, nearHalfTurn, count };
+  /// Numbers of an estimate whose size the type leaves open.
+  static constexpr int runTimeSize = 3;
 
   bool wanted(const ElementType& type) {
     const bool all = options_.tags.empty();
@@ -110,7 +114,7 @@ class Conformance {
 
   Vertex& makeVertex(Graph& graph, const VertexType& type, std::int64_t id) {
     Vertex& vertex = graph.addVertex(type, id);
-    readRandom(type, vertex, 1);
+    readRandom(type, vertex, type.dimension() == Dynamic ? runTimeSize : 1);
     vertex.setHasEstimate(true);
     move(type, vertex, [&](int) { return uniform(random_, -0.7, 0.7); });
     return vertex;
@@ -131,8 +135,8 @@ class Conformance {
       Vertex& vertex = makeVertex(graph, type, 3 * draw);
       Vertex& other = graph.addVertex(type, 3 * draw + 1);
       Vertex& third = graph.addVertex(type, 3 * draw + 2);
-      checkRoundTrip(type, vertex, other, true);
-      checkRoundTrip(type, other, third, true);
+      checkRoundTrip(type, vertex, other, type.dimension() != Dynamic);
+      checkRoundTrip(type, other, third, type.dimension() != Dynamic);
       checkEstimates(type, vertex, other, third);
       checkStep(type, vertex);
     }
@@ -246,11 +250,36 @@ class Conformance {
       }
       Edge& edge = graph.addEdge(type, vertices, parameters);
       readRandom(type, edge, static_cast<std::int64_t>(vertices.size()) - 1);
-      checkRoundTrip(type, edge, graph.addEdge(type, vertices, parameters), !type.variableArity());
+      Edge& other = graph.addEdge(type, vertices, parameters);
+      checkRoundTrip(type, edge, other, !type.variableArity() && type.errorDimension() != Dynamic);
+      graph.removeEdge(other);
+      settleDimension(graph, type, edge);
       randomInformation(type, edge);
       placeVertices(graph, type, edge, static_cast<Draw>(draw % static_cast<int>(Draw::count)));
     }
     checkEdgeNumbers(graph, type);
+  }
+
+  /// Gives an error of run-time dimension an information matrix of the size it asks for, found by trying.
+  static void settleDimension(Graph& graph, const EdgeType& type, Edge& edge) {
+    constexpr int most = 64;
+    for (int n = 1; type.errorDimension() == Dynamic && n <= most; ++n) {
+      std::vector<double> identity;
+      for (int r = 0; r < n; ++r) {
+        identity.push_back(1.0);
+        identity.insert(identity.end(), static_cast<std::size_t>(n - 1 - r), 0.0);
+      }
+      type.setInformation(edge, identity);
+      try {
+        ProblemScope scope;
+        scope.level = -1;
+        Problem problem(graph, scope);
+        (void)problem.evaluate(problem.state());
+        return;
+      } catch (const GraphError&) {
+        if (n == most) throw;
+      }
+    }
   }
 
   /// L Lᵀ with L lower triangular of diagonal about 1.
@@ -323,38 +352,9 @@ class Conformance {
     const Problem problem(graph, scope);
     WorldInvariance invariance{type.tag(), 0};
     for (int direction = 0; direction < gaugeDirections; ++direction) {
-      if (staysWith(problem, direction)) invariance.directions |= std::uint32_t{1} << direction;
+      if (staysWithWorld(problem, direction)) invariance.directions |= std::uint32_t{1} << direction;
     }
     report_.invariances.push_back(invariance);
-  }
-
-  /// Whether chi2 of every edge has no slope along a move of the world.
-  bool staysWith(const Problem& problem, int direction) {
-    constexpr double step = 1e-5, tolerance = 1e-6;
-    State forward = problem.state(), backward = problem.state();
-    double generators[64 * gaugeDirections];
-    for (int slot = 0; slot < problem.slots(); ++slot) {
-      const VertexType& type = problem.vertexType(slot);
-      const int dimension = type.dimension(problem.vertex(slot));
-      if (dimension > 64 || !type.gaugeGenerators(problem.state().record(slot), generators)) return false;
-      std::vector<double> delta(static_cast<std::size_t>(dimension));
-      for (int i = 0; i < dimension; ++i)
-        delta[static_cast<std::size_t>(i)] = step * generators[i * gaugeDirections + direction];
-      type.retract(problem.state().record(slot), delta.data(), forward.record(slot), dimension);
-      for (double& part : delta) part = -part;
-      type.retract(problem.state().record(slot), delta.data(), backward.record(slot), dimension);
-    }
-    const EdgeBatch& batch = problem.batch(0);
-    PanelBuffer buffer(batch.largestShape(), false);
-    for (std::int32_t edge = 0; edge < batch.size(); ++edge) {
-      const std::span<const std::int32_t> list(&edge, 1);
-      batch.evaluate(forward, list, buffer.panel());
-      const double after = buffer.panel().squaredError[0];
-      batch.evaluate(backward, list, buffer.panel());
-      const double slope = (after - buffer.panel().squaredError[0]) / (2.0 * step);
-      if (!(std::abs(slope) <= tolerance * std::max(1.0, after))) return false;
-    }
-    return true;
   }
 
   std::shared_ptr<const Registry> registry_;
@@ -366,7 +366,23 @@ class Conformance {
 }  // namespace
 
 ConformanceReport checkConformance(std::shared_ptr<const Registry> registry, const ConformanceOptions& options) {
-  return Conformance(std::move(registry), options).run();
+  ConformanceReport report = Conformance(registry, options).run();
+  if (options.tags.empty()) {
+    std::vector<std::string> names;
+    for (const RobustKernelType* kernel : registry->robustKernels()) names.emplace_back(kernel->name);
+    checkKernels(*registry, names, report);
+  }
+  return report;
+}
+
+void checkKernels(const Registry& registry, const std::vector<std::string>& names, ConformanceReport& report) {
+  for (const std::string& name : names) {
+    const RobustKernelType* kernel = registry.findRobustKernel(name);
+    if (kernel == nullptr) throw GraphError(fmt::format("no robust kernel '{}'", name));
+    ++report.checks;
+    const std::string broken = brokenKernelPromise(*kernel);
+    if (!broken.empty()) report.findings.push_back({name, "robust kernel", broken});
+  }
 }
 
 std::string ConformanceReport::describe() const {

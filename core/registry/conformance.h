@@ -11,14 +11,15 @@ namespace quiver {
 
 /// A promise that a type breaks.
 struct ConformanceFinding {
+  /// Of the type, or the name of the robust kernel.
   std::string tag;
-  /// "jacobians", "oplus", "fields", "round trip".
+  /// "jacobians", "oplus", "fields", "round trip", "robust kernel".
   std::string check;
   std::string message;
 };
 
 struct ConformanceOptions {
-  /// Types to check, by tag; all of the registry's if empty.
+  /// Types to check, by tag; all of the registry's, and its robust kernels, if empty.
   std::vector<std::string> tags;
   /// Random elements of each type.
   int draws = 12;
@@ -53,7 +54,12 @@ struct ConformanceReport {
 /// - edges: Jacobians agree with differences at random estimates, near a vanishing error and with rotations within 1e-4
 ///   of π (never across it), where initialEstimate makes it possible; which moves of the world leave chi2 as it is;
 /// - all: what is written reads back to the same bits, and `fields()` counts it right.
+/// - robust kernels: ρ(0) = 0, ρ'(0) = 1, all numbers finite, ρ' and ρ'' the derivatives, many at once as one by one.
 /// Types must be readable from random numbers (see RandomReader in field_tokens.h); those that are not become findings.
+/// Estimates of run-time size have three numbers.
 ConformanceReport checkConformance(std::shared_ptr<const Registry> registry, const ConformanceOptions& options = {});
+
+/// Checks robust kernels alone, by name, and adds what is found to a report. Throws GraphError for an unknown name.
+void checkKernels(const Registry& registry, const std::vector<std::string>& names, ConformanceReport& report);
 
 }  // namespace quiver

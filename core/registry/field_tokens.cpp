@@ -43,6 +43,7 @@ double RandomReader::real() {
   if (name.size() == 3 && name[0] == 'I' && name[1] >= '1' && name[1] <= '9' && name[2] >= '1' && name[2] <= '9') {
     return name[1] == name[2] ? uniform(random_, 1.0, 2.0) : uniform(random_, -0.1, 0.1);
   }
+  if (name == "scale") return uniform(random_, 0.5, 2.0);
   return field.unit == "rad" ? uniform(random_, -3.0, 3.0) : uniform(random_, -2.0, 2.0);
 }
 

@@ -52,8 +52,8 @@ class TokenReader final : public FieldReader {
   std::size_t next_ = 0;
 };
 
-/// Makes up a line for an element: numbers within ±2, angles ("rad") within ±3, every integer `count`; fields named
-/// I11, I12 … I66 are a positive definite information matrix.
+/// Makes up a line for an element: numbers within ±2, angles ("rad") within ±3, what is named "scale" positive, every
+/// integer `count`; fields named I11, I12 … I66 are a positive definite information matrix.
 class RandomReader final : public FieldReader {
  public:
   RandomReader(std::mt19937_64& random, std::vector<Field> fields, std::int64_t count)

@@ -78,8 +78,10 @@ Registry::Registry() : lookup_(std::make_unique<Lookup>()) {}
 Registry::~Registry() = default;
 
 void Registry::claimTag(const std::string& tag) const {
-  if (!isWord(tag) || tag.front() == '#' || tag == "FIX") {
-    throw GraphError(fmt::format("'{}' cannot be a tag: a tag is one word, not FIX, not beginning with #", tag));
+  const char first = isWord(tag) ? tag.front() : '#';
+  if (first == '#' || (first >= '0' && first <= '9') || tag == "FIX") {
+    throw GraphError(
+        fmt::format("'{}' cannot be a tag: a tag is one word, not FIX, not beginning with # or a digit", tag));
   }
   if (findVertexType(tag) || findEdgeType(tag) || findParameterType(tag) || isDataTag(tag)) {
     throw GraphError(fmt::format("tag '{}' is registered already", tag));

@@ -240,6 +240,7 @@ class EdgeTypeOf final : public EdgeType {
   EdgeTypeOf(std::string tag, std::string documentation)
       : EdgeType(std::move(tag), typeName<E>(), std::move(documentation)) {
     static_assert(alignof(E) <= 8, "an edge may not ask for more alignment than a double");
+    static_assert(E::errorDimension == Dynamic || E::errorDimension >= 1, "an error has at least one number");
     static_assert(Roles::lastAlone(), "only the last of an edge's vertices may be AnyNumberOf<V>");
   }
 

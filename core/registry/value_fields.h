@@ -10,6 +10,7 @@
 #include <quiver/geometry/linear.h>
 #include <quiver/geometry/se2.h>
 #include <quiver/geometry/se3.h>
+#include <quiver/geometry/sim3.h>
 
 namespace quiver {
 
@@ -67,25 +68,78 @@ struct ValueFields<SE2<double>> {
   }
 };
 
-/// x y z qx qy qz qw, Hamilton. Normalised only if | |q|² − 1 | > 1e-14; its sign is kept.
+template <>
+struct ValueFields<SO2<double>> {
+  static std::vector<Field> fields() { return {{"theta", "rad", "counter-clockwise"}}; }
+  static void read(FieldReader& reader, SO2<double>& value) { value = SO2<double>(reader.real()); }
+  static void write(const SO2<double>& value, FieldWriter& writer) { writer.real(value.angle()); }
+};
+
+namespace detail {
+
+inline SO3<double> rotationOf(const FieldReader& reader, double x, double y, double z, double w) {
+  const double square = x * x + y * y + z * z + w * w;
+  if (!(square > 1e-12) || !std::isfinite(square)) reader.fail("a quaternion of norm zero is no rotation");
+  return SO3<double>(x, y, z, w);
+}
+
+inline std::vector<Field> joined(std::vector<Field> first, const std::vector<Field>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+}  // namespace detail
+
+/// qx qy qz qw, Hamilton. Normalised only if | |q|² − 1 | > 1e-14; its sign is kept.
+template <>
+struct ValueFields<SO3<double>> {
+  static std::vector<Field> fields() {
+    return {{"qx", "", "unit quaternion, Hamilton"}, {"qy", "", ""}, {"qz", "", ""}, {"qw", "", ""}};
+  }
+  static void read(FieldReader& reader, SO3<double>& value) {
+    std::array<double, 4> q;
+    reader.reals(q);
+    value = detail::rotationOf(reader, q[0], q[1], q[2], q[3]);
+  }
+  static void write(const SO3<double>& value, FieldWriter& writer) {
+    const Vector<double, 4> q = value.coefficients();
+    for (int i = 0; i < 4; ++i) writer.real(q[i]);
+  }
+};
+
+/// x y z, then the rotation.
 template <>
 struct ValueFields<SE3<double>> {
   static std::vector<Field> fields() {
-    return {{"x", "m", ""}, {"y", "m", ""}, {"z", "m", ""}, {"qx", "", "unit quaternion, Hamilton"},
-            {"qy", "", ""}, {"qz", "", ""}, {"qw", "", ""}};
+    return detail::joined(ValueFields<Vector<double, 3>>::fields(), ValueFields<SO3<double>>::fields());
   }
   static void read(FieldReader& reader, SE3<double>& value) {
-    std::array<double, 7> v;
+    std::array<double, 7> v;  // in one call: files are full of these
     reader.reals(v);
-    const double square = v[3] * v[3] + v[4] * v[4] + v[5] * v[5] + v[6] * v[6];
-    if (!(square > 1e-12) || !std::isfinite(square)) reader.fail("a quaternion of norm zero is no rotation");
-    value = SE3<double>(SO3<double>(v[3], v[4], v[5], v[6]), Vector<double, 3>(v[0], v[1], v[2]));
+    value = SE3<double>(detail::rotationOf(reader, v[3], v[4], v[5], v[6]), Vector<double, 3>(v[0], v[1], v[2]));
   }
   static void write(const SE3<double>& value, FieldWriter& writer) {
-    const Vector<double, 3> t = value.translation();
-    const Vector<double, 4> q = value.rotation().coefficients();
-    for (int i = 0; i < 3; ++i) writer.real(t[i]);
-    for (int i = 0; i < 4; ++i) writer.real(q[i]);
+    ValueFields<Vector<double, 3>>::write(value.translation(), writer);
+    ValueFields<SO3<double>>::write(value.rotation(), writer);
+  }
+};
+
+/// x y z, the rotation, then the scale, which must be positive.
+template <>
+struct ValueFields<Sim3<double>> {
+  static std::vector<Field> fields() {
+    return detail::joined(ValueFields<SE3<double>>::fields(), {{"scale", "", "positive"}});
+  }
+  static void read(FieldReader& reader, Sim3<double>& value) {
+    SE3<double> pose;
+    ValueFields<SE3<double>>::read(reader, pose);
+    const double scale = reader.real();
+    if (!(scale > 0.0) || !std::isfinite(scale)) reader.fail("the scale of a similarity must be positive");
+    value = Sim3<double>(pose.rotation(), pose.translation(), scale);
+  }
+  static void write(const Sim3<double>& value, FieldWriter& writer) {
+    ValueFields<SE3<double>>::write(SE3<double>(value.rotation(), value.translation()), writer);
+    writer.real(value.scale());
   }
 };
 

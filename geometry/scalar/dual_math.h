@@ -4,11 +4,12 @@
 /// Elementary functions of dual numbers, over double and over lanes.
 ///
 /// Where the true derivative is infinite or undefined the gradient is zero instead of NaN, so that one degenerate
-/// measurement does not poison a system: sqrt at 0 (hence norm() of a zero vector has gradient zero), atan2 at (0, 0),
-/// asin and acos at +-1, abs at 0 (slope +1).
+/// measurement does not poison a system: sqrt and cbrt at 0 (hence norm() of a zero vector has gradient zero), atan2
+/// and hypot at (0, 0), asin and acos at +-1, abs at 0 (slope +1).
 
 #include <quiver/geometry/scalar/dual.h>
 #include <quiver/geometry/scalar/lanes_math.h>
+#include <quiver/geometry/scalar/libm_lanes.h>
 #include <cmath>
 
 namespace quiver {
@@ -114,6 +115,77 @@ inline Dual<T, N> pow(const Dual<T, N>& x, double exponent) {
 template <class T, int N>
 inline Dual<T, N> pow(const Dual<T, N>& x, const Dual<T, N>& exponent) {
   return exp(exponent * log(x));
+}
+
+template <class T, int N>
+inline Dual<T, N> hypot(const Dual<T, N>& x, const Dual<T, N>& y) {
+  using std::hypot;
+  const T length = hypot(x.value, y.value);
+  const T alongX = detail::quotientOrZero(x.value, length);
+  const T alongY = detail::quotientOrZero(y.value, length);
+  Dual<T, N> r;
+  r.value = length;
+  QUIVER_UNROLL for (int i = 0; i < N; ++i) r.gradient[i] = alongX * x.gradient[i] + alongY * y.gradient[i];
+  return r;
+}
+
+template <class T, int N>
+inline Dual<T, N> cbrt(const Dual<T, N>& x) {
+  using std::cbrt;
+  const T root = cbrt(x.value);
+  return x.scaled(root, detail::quotientOrZero(T(1.0 / 3.0), root * root));
+}
+
+template <class T, int N>
+inline Dual<T, N> sinh(const Dual<T, N>& x) {
+  using std::cosh, std::sinh;
+  return x.scaled(sinh(x.value), cosh(x.value));
+}
+
+template <class T, int N>
+inline Dual<T, N> cosh(const Dual<T, N>& x) {
+  using std::cosh, std::sinh;
+  return x.scaled(cosh(x.value), sinh(x.value));
+}
+
+template <class T, int N>
+inline Dual<T, N> tanh(const Dual<T, N>& x) {
+  using std::tanh;
+  const T t = tanh(x.value);
+  return x.scaled(t, (T(1.0) - t) * (T(1.0) + t));
+}
+
+template <class T, int N>
+inline Dual<T, N> expm1(const Dual<T, N>& x) {
+  using std::exp, std::expm1;
+  return x.scaled(expm1(x.value), exp(x.value));
+}
+
+template <class T, int N>
+inline Dual<T, N> log1p(const Dual<T, N>& x) {
+  using std::log1p;
+  return x.scaled(log1p(x.value), T(1.0) / (T(1.0) + x.value));
+}
+
+template <class T, int N>
+inline Dual<T, N> log2(const Dual<T, N>& x) {
+  using std::log2;
+  constexpr double ln2 = 0.69314718055994531;
+  return x.scaled(log2(x.value), T(1.0 / ln2) / x.value);
+}
+
+template <class T, int N>
+inline Dual<T, N> log10(const Dual<T, N>& x) {
+  using std::log10;
+  constexpr double ln10 = 2.302585092994046;
+  return x.scaled(log10(x.value), T(1.0 / ln10) / x.value);
+}
+
+template <class T, int N>
+inline Dual<T, N> erf(const Dual<T, N>& x) {
+  using std::erf, std::exp;
+  constexpr double twoOverRootPi = 1.1283791670955126;
+  return x.scaled(erf(x.value), T(twoOverRootPi) * exp(-x.value * x.value));
 }
 
 template <class T, int N>

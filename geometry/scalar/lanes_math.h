@@ -40,9 +40,6 @@ QUIVER_COLD inline void sincosEach(const double* x, double* sine, double* cosine
 QUIVER_COLD inline void logEach(const double* x, double* y) {
   for (int i = 0; i < 8; ++i) y[i] = std::log(x[i]);
 }
-QUIVER_COLD inline void powEach(const double* x, const double* exponent, double* y) {
-  for (int i = 0; i < 8; ++i) y[i] = std::pow(x[i], exponent[i]);
-}
 
 }  // namespace detail
 
@@ -176,16 +173,6 @@ inline Lanes<Isa> log(const Lanes<Isa>& x) {
     result = L::load(out);
   }
   return result;
-}
-
-/// x to the power y, by libm lane by lane: exact, not fast. For squares and cubes multiply.
-template <class Isa>
-inline Lanes<Isa> pow(const Lanes<Isa>& x, const std::type_identity_t<Lanes<Isa>>& y) {
-  double base[8], exponent[8], out[8];
-  x.store(base);
-  y.store(exponent);
-  detail::powEach(base, exponent, out);
-  return Lanes<Isa>::load(out);
 }
 
 }  // namespace quiver

@@ -8,4 +8,5 @@
 #include <quiver/geometry/scalar/isa.h>
 #include <quiver/geometry/scalar/lanes.h>
 #include <quiver/geometry/scalar/lanes_math.h>
+#include <quiver/geometry/scalar/libm_lanes.h>
 #include <quiver/geometry/scalar/select.h>

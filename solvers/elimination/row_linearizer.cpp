@@ -166,13 +166,15 @@ void RowLinearizer::addTotals(int begin, int end, const Panel& panel, CostTotals
       cost[lane] += counts ? costs[lane] : 0.0;
     }
   }
-  double sum = 0.0;
+  CostTotals sum;
   for (int lane = 0; lane < lanes; ++lane) {
-    sum += chi2[lane];
-    totals.cost += cost[lane];
+    sum.chi2 += chi2[lane];
+    sum.cost += cost[lane];
   }
-  totals.chi2 += sum;
-  if (!std::isfinite(sum) && totals.badBatch < 0) findBadEdge(begin, end, panel, totals);
+  totals.chi2 += sum.chi2;
+  totals.cost += sum.cost;
+  if (!(std::isfinite(sum.chi2) && std::isfinite(sum.cost)) && totals.badBatch < 0)
+    findBadEdge(begin, end, panel, totals);
 }
 
 void RowLinearizer::findBadEdge(int begin, int end, const Panel& panel, CostTotals& totals) const {
@@ -180,7 +182,8 @@ void RowLinearizer::findBadEdge(int begin, int end, const Panel& panel, CostTota
   for (int row = begin; row < end; ++row) {
     for (int lane = 0; lane < lanes; ++lane) {
       if ((rows[static_cast<std::size_t>(row)].lanes >> lane & 1) == 0) continue;
-      if (std::isfinite(panel.squaredError[(row - begin) * lanes + lane])) continue;
+      const int at = (row - begin) * lanes + lane;
+      if (std::isfinite(panel.squaredError[at]) && std::isfinite(panel.cost[at])) continue;
       totals.badBatch = plan_->kinds()[static_cast<std::size_t>(rows[static_cast<std::size_t>(row)].kind)].batch;
       totals.badEdge = plan_->edges(row)[lane];
       return;

@@ -12,7 +12,7 @@ class OtherCommands : public CommandTest {};
 TEST_F(OtherCommands, TellVersionAndHelp) {
   EXPECT_EQ(run("--version").out.rfind("quiver ", 0), 0u);
   EXPECT_EQ(run("--help").exitCode, 0);
-  for (const char* command : {"optimize", "info", "list", "convert", "simulate", "plot"}) {
+  for (const char* command : {"optimize", "info", "list", "convert", "simulate", "plot", "evaluate", "check"}) {
     const CommandResult help = run(std::string(command) + " --help");
     EXPECT_EQ(help.exitCode, 0) << command;
     EXPECT_NE(help.out.find(command), std::string::npos) << command;

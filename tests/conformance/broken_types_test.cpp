@@ -78,10 +78,22 @@ TEST(JacobianCheck, LeavesOutWhereTheErrorJumps) {
   registry->addEdge<JumpingEdge>("JUMPING_EDGE");
   Graph graph(registry);
   graph.addVertex<GoodPoint>(0, Point(0.0, 0.0));
-  graph.addEdge<JumpingEdge>({0}, Point(1e-6, 0.0), Matrix<double, 2, 2>::Identity());
+  graph.addEdge<JumpingEdge>({0}, Point(0.0, 0.0), Matrix<double, 2, 2>::Identity());
   const JacobianReport report = checkJacobians(graph);
   ASSERT_EQ(report.types.size(), 1u);
   EXPECT_EQ(report.types[0].jumps, 1);
+  EXPECT_LT(report.worstDeviation(), 1e-9) << report.describe();
+}
+
+TEST(JacobianCheck, StepsAroundAJump) {
+  auto registry = std::make_shared<Registry>();
+  registry->addVertex<GoodPoint>("GOOD_POINT");
+  registry->addEdge<JumpingEdge>("JUMPING_EDGE");
+  Graph graph(registry);
+  graph.addVertex<GoodPoint>(0, Point(0.0, 0.0));
+  graph.addEdge<JumpingEdge>({0}, Point(1e-6, 0.0), Matrix<double, 2, 2>::Identity());
+  const JacobianReport report = checkJacobians(graph);
+  EXPECT_EQ(report.types[0].jumps, 0);
   EXPECT_LT(report.worstDeviation(), 1e-9) << report.describe();
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <quiver/core/algorithm/check_jacobians.h>
 #include <quiver/core/algorithm/optimizer.h>
+#include <quiver/core/registry/conformance.h>
 #include <quiver/core/util/error.h>
 
 #include "ring_graph.h"
@@ -98,6 +99,22 @@ TEST(RunTimeShapes, EstimatesKeepTheirSize) {
   graph.addEdge<EdgeGrowing>({1}, 3.0, Square::Identity(1, 1));
   EXPECT_THAT([&] { (void)optimize(graph); },
               ThrowsMessage<GraphError>(HasSubstr("VERTEX_GROWING: oplus returned an estimate of 2 numbers")));
+}
+
+TEST(RunTimeShapes, AnErrorHasAtLeastOneNumber) {
+  Graph graph(makeRegistry());
+  graph.addVertex<VertexNumbers>(7, Vector<double, Dynamic>::Constant(2, 3.0));
+  graph.addEdge<EdgeSquares>({7}, 2.0, Matrix<double, Dynamic, Dynamic>(0, 0));
+  EXPECT_THAT([&] { (void)optimize(graph); },
+              ThrowsMessage<GraphError>(HasSubstr("EdgeSquares 7 has an information matrix of 0 × 0")));
+}
+
+TEST(RunTimeShapes, Conform) {
+  ConformanceOptions options;
+  options.tags = {"VERTEX_NUMBERS", "EDGE_SQUARES"};
+  const ConformanceReport report = checkConformance(makeRegistry(), options);
+  EXPECT_TRUE(report.passed()) << report.describe();
+  EXPECT_EQ(report.types, 2);
 }
 
 }  // namespace

@@ -3,14 +3,18 @@
 namespace quiver {
 namespace {
 
+constexpr int functions = 28;
+
 /// Every function of the scalar at two arguments, x in (0.1, 0.9), y in (-2, 2).
 template <class S>
-Eigen::Matrix<S, 18, 1> everyFunction(const S& x, const S& y) {
+Eigen::Matrix<S, functions, 1> everyFunction(const S& x, const S& y) {
   using std::abs, std::acos, std::asin, std::atan, std::atan2, std::cos, std::exp, std::log, std::pow, std::sin,
-      std::sqrt, std::tan, std::min, std::max;
-  Eigen::Matrix<S, 18, 1> f;
+      std::sqrt, std::tan, std::min, std::max, std::hypot, std::cbrt, std::sinh, std::cosh, std::tanh, std::expm1,
+      std::log1p, std::log2, std::log10, std::erf;
+  Eigen::Matrix<S, functions, 1> f;
   f << x + y, x - 2.0 * y, x * y, y / x, 3.0 / x, 1.0 - x / 2.0, sqrt(x), abs(y), sin(y), cos(y), tan(x), atan2(y, x),
-      atan(y), asin(x), acos(x), exp(y), log(x) * pow(x, 2.5), min(x, y) + max(S(x * 2.0), y) + select(y < x, y * y, x);
+      atan(y), asin(x), acos(x), exp(y), log(x) * pow(x, 2.5), min(x, y) + max(S(x * 2.0), y) + select(y < x, y * y, x),
+      hypot(x, y), cbrt(x), sinh(y), cosh(y), tanh(y), expm1(y), log1p(x), log2(x), log10(x), erf(y);
   return f;
 }
 
@@ -22,9 +26,9 @@ TEST(DualTest, DerivativesAgreeWithCentralDifferences) {
     const auto f = everyFunction(Dual<double, 2>(x, 0), Dual<double, 2>(y, 1));
     const auto value = everyFunction(x, y);
     const double h = 1e-6;
-    const Eigen::Matrix<double, 18, 1> alongX = (everyFunction(x + h, y) - everyFunction(x - h, y)) / (2 * h);
-    const Eigen::Matrix<double, 18, 1> alongY = (everyFunction(x, y + h) - everyFunction(x, y - h)) / (2 * h);
-    for (int i = 0; i < 18; ++i) {
+    const Eigen::Matrix<double, functions, 1> alongX = (everyFunction(x + h, y) - everyFunction(x - h, y)) / (2 * h);
+    const Eigen::Matrix<double, functions, 1> alongY = (everyFunction(x, y + h) - everyFunction(x, y - h)) / (2 * h);
+    for (int i = 0; i < functions; ++i) {
       EXPECT_EQ(f[i].value, value[i]) << i;
       const double tolerance = 1e-6 * (1.0 + std::abs(f[i].gradient[0]) + std::abs(f[i].gradient[1]));  // h^2 f'''
       if (i == 7 && std::abs(y) < 2 * h) continue;  // the kink of |y|
@@ -49,7 +53,7 @@ TYPED_TEST(DualOverLanesTest, AgreeWithDualsOverDouble) {
   const auto f = everyFunction(Dual<L, 2>(L::load(xs), 0), Dual<L, 2>(L::load(ys), 1));
   for (int lane = 0; lane < 8; ++lane) {
     const auto g = everyFunction(Dual<double, 2>(xs[lane], 0), Dual<double, 2>(ys[lane], 1));
-    for (int i = 0; i < 18; ++i) {
+    for (int i = 0; i < functions; ++i) {
       EXPECT_NEAR(f[i].value[lane], g[i].value, 1e-15 * (1 + std::abs(g[i].value)) * 4);
       for (int d = 0; d < 2; ++d) {
         EXPECT_NEAR(f[i].gradient[d][lane], g[i].gradient[d], 4e-15 * (1 + std::abs(g[i].gradient[d])));
@@ -62,7 +66,8 @@ TEST(DualTest, DegeneratePointsHaveFiniteGradients) {
   using D = Dual<double, 2>;
   const D zeroX(0.0, 0), zeroY(0.0, 1), oneX(1.0, 0);
   const Eigen::Matrix<D, 2, 1> zero(zeroX, zeroY);
-  for (const D& f : {sqrt(zeroX), atan2(zeroY, zeroX), asin(oneX), acos(oneX), zero.norm(), pow(zeroX, 2.0)}) {
+  for (const D& f : {sqrt(zeroX), atan2(zeroY, zeroX), asin(oneX), acos(oneX), zero.norm(), pow(zeroX, 2.0),
+                     cbrt(zeroX), hypot(zeroX, zeroY)}) {
     EXPECT_TRUE(isfinite(f));
     EXPECT_EQ(f.gradient[0], 0.0);
   }
