@@ -1,6 +1,7 @@
 #include <quiver/solvers/normal_equations.h>
 
 #include <algorithm>
+#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -55,6 +56,8 @@ void NormalEquations::analyze(const Problem& problem, const Options& options, in
   }
   BlockOrdering ordering = solver_->order(natural);
   order_ = std::move(ordering.order);
+  alike_ = problem.variables() > 0 ? problem.dimension(0) : 0;
+  for (const int dimension : problem.dimensions()) alike_ = dimension == alike_ ? alike_ : 0;
   std::vector<int> position(order_.size());
   for (std::size_t block = 0; block < order_.size(); ++block)
     position[static_cast<std::size_t>(order_[block])] = static_cast<int>(block);
@@ -134,13 +137,29 @@ bool NormalEquations::applyInverse(std::span<double> b) {
   return true;
 }
 
-void NormalEquations::loadGradient() {
-  for (std::size_t block = 0; block < order_.size(); ++block) {
-    const int variable = order_[block];
-    const double* const from = gradient_.data() + problem_->offset(variable);
-    double* const to = blockVector_.data() + matrix_.layout().offset(static_cast<int>(block));
-    for (int i = 0; i < problem_->dimension(variable); ++i) to[i] = -from[i];
+template <typename Copy>
+void NormalEquations::forEachBlock(const Copy& copy) const {
+  const auto alike = [&](const auto dimension) {
+    for (std::size_t block = 0; block < order_.size(); ++block)
+      copy(std::int64_t{order_[block]} * dimension, static_cast<std::int64_t>(block) * dimension, dimension);
+  };
+  switch (alike_) {
+    case 3:
+      return alike(std::integral_constant<int, 3>());
+    case 6:
+      return alike(std::integral_constant<int, 6>());
+    default:
+      for (std::size_t block = 0; block < order_.size(); ++block)
+        copy(problem_->offset(order_[block]), matrix_.layout().offset(static_cast<int>(block)),
+             problem_->dimension(order_[block]));
   }
+}
+
+void NormalEquations::loadGradient() {
+  forEachBlock([&](std::int64_t from, std::int64_t to, const auto dimension) {
+    for (int i = 0; i < dimension; ++i)
+      blockVector_[static_cast<std::size_t>(to + i)] = -gradient_[static_cast<std::size_t>(from + i)];
+  });
 }
 
 LinearOutcome NormalEquations::outcomeOf(const SolverStatus& status) const {
@@ -156,19 +175,17 @@ void NormalEquations::multiply(std::span<const double> x, std::span<double> y) c
 }
 
 void NormalEquations::toBlocks(std::span<const double> variables, std::span<double> blocks) const {
-  for (std::size_t block = 0; block < order_.size(); ++block) {
-    const int variable = order_[block];
-    std::copy_n(variables.data() + problem_->offset(variable), problem_->dimension(variable),
-                blocks.data() + matrix_.layout().offset(static_cast<int>(block)));
-  }
+  forEachBlock([&](std::int64_t from, std::int64_t to, const auto dimension) {
+    for (int i = 0; i < dimension; ++i)
+      blocks[static_cast<std::size_t>(to + i)] = variables[static_cast<std::size_t>(from + i)];
+  });
 }
 
 void NormalEquations::toVariables(std::span<const double> blocks, std::span<double> variables) const {
-  for (std::size_t block = 0; block < order_.size(); ++block) {
-    const int variable = order_[block];
-    std::copy_n(blocks.data() + matrix_.layout().offset(static_cast<int>(block)), problem_->dimension(variable),
-                variables.data() + problem_->offset(variable));
-  }
+  forEachBlock([&](std::int64_t to, std::int64_t from, const auto dimension) {
+    for (int i = 0; i < dimension; ++i)
+      variables[static_cast<std::size_t>(to + i)] = blocks[static_cast<std::size_t>(from + i)];
+  });
 }
 
 void NormalEquations::addSeconds(PhaseSeconds& seconds) {

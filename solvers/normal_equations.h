@@ -37,6 +37,10 @@ class NormalEquations final : public LinearSystem {
   void loadGradient();
   void chooseSolver(const BlockPattern& pattern);
   /// Copies between the order of variables and that of blocks.
+  /// Calls copy(first scalar of a variable, first scalar of its block, dimension) for every block; usual dimensions
+  /// that all have in common are constants of the type.
+  template <typename Copy>
+  void forEachBlock(const Copy& copy) const;
   void toBlocks(std::span<const double> variables, std::span<double> blocks) const;
   void toVariables(std::span<const double> blocks, std::span<double> variables) const;
 
@@ -46,6 +50,7 @@ class NormalEquations final : public LinearSystem {
   BlockMatrix matrix_;
   Assembler assembler_;
   std::vector<int> order_;  // order_[block] = variable
+  int alike_ = 0;           // the dimension of all variables, 0 if they differ
   std::vector<double> gradient_;
   std::vector<double> diagonal_;
   std::vector<double> blockDamping_;

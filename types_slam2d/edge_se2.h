@@ -12,7 +12,8 @@ class EdgeSE2 : public BaseEdge<EdgeSE2, 3, SE2<double>, VertexSE2, VertexSE2> {
 
   template <typename S>
   static Vector<S, 3> computeError(const SE2<S>& z, const SE2<S>& from, const SE2<S>& to) {
-    return (z.inverse() * (from.inverse() * to)).toVector();
+    const Vector<S, 2> t = z.actInverse(from.actInverse(to.translation()));
+    return Vector<S, 3>(t[0], t[1], wrapAngle(S(to.angle() - from.angle() - z.angle())));
   }
 
   /// With R = R_zᵀ R₁ᵀ and p = X₁⁻¹ t₂: ∂/∂from = [−R_zᵀ, −R_zᵀ J p; 0, −1], ∂/∂to = [R_zᵀ R₁ᵀ R₂, 0; 0, 1], J the
@@ -20,7 +21,7 @@ class EdgeSE2 : public BaseEdge<EdgeSE2, 3, SE2<double>, VertexSE2, VertexSE2> {
   template <typename S>
   static void linearizeOplus(const SE2<S>& z, const SE2<S>& from, const SE2<S>& to, Matrix<S, 3, 3>& J0,
                              Matrix<S, 3, 3>& J1) {
-    const SE2<S> relative = from.inverse() * to;
+    const SE2<S> relative = from.between(to);
     const Vector<S, 2> p = relative.translation();
     const S c = z.rotation().cosine();
     const S s = z.rotation().sine();

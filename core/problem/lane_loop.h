@@ -183,30 +183,43 @@ inline void storeBlock(const L* U, bool diagonal, Block& J, double* out, int gro
   }
 }
 
-/// The estimates of eight edges, role by role; with rows, of the `group`-th one.
+/// The first Size numbers of eight records of a state; recordOf(i) is where the i-th begins.
+template <int Size, typename L, typename RecordOf>
+inline void loadStates(const double* state, const RecordOf& recordOf, L* numbers) {
+  std::int64_t differs = 0;
+  for (int i = 1; i < L::width; ++i) differs |= std::int64_t{recordOf(i)} ^ std::int64_t{recordOf(0)};
+  if (differs == 0) {  // all eight join the same vertex, as the observations of one camera do
+    for (int k = 0; k < Size; ++k) numbers[k] = L(state[recordOf(0) + k]);
+    return;
+  }
+  const double* pointers[L::width];
+  for (int i = 0; i < L::width; ++i) pointers[i] = state + recordOf(i);
+  loadRecords<Size>(pointers, numbers);
+}
+
+/// The estimates of eight edges, role by role: of the `group`-th row if there are rows, else of the ids, which follow
+/// each other in a `run`.
 template <typename E, typename L>
 inline typename EdgeLoop<E>::template Estimates<L> loadEstimates(const BatchView& view, const std::int32_t* ids,
-                                                                 int group) {
+                                                                 bool run, int group) {
   using Loop = EdgeLoop<E>;
   return [&]<int... I>(std::integer_sequence<int, I...>) {
     return typename Loop::template Estimates<L>([&] {
       using Vertex = std::tuple_element_t<static_cast<std::size_t>(I), typename E::VertexTypes>;
       constexpr int size = Packing<typename Vertex::Estimate>::size;
-      const double* pointers[L::width];
-      if (view.rows != nullptr) {
-        const std::uint32_t* records = view.rows + (std::int64_t{group} * Loop::arity + I) * L::width;
-        for (int i = 0; i < L::width; ++i) pointers[i] = view.state + records[i];
-      } else {
-        const std::int64_t* records = view.records + I * view.edges;
-        for (int i = 0; i < L::width; ++i) pointers[i] = view.state + records[ids[i]];
-      }
       L numbers[size];
-      bool one = true;  // all eight join the same vertex, as the observations of one camera do
-      for (int i = 1; i < L::width; ++i) one = one && pointers[i] == pointers[0];
-      if (one) {
-        for (int k = 0; k < size; ++k) numbers[k] = L(pointers[0][k]);
+      if (view.rows != nullptr) {
+        const std::uint32_t* const records = view.rows + (std::int64_t{group} * Loop::arity + I) * L::width;
+        loadStates<size>(
+            view.state, [=](int i) { return records[i]; }, numbers);
+      } else if (run) {
+        const std::int64_t* const records = view.records + I * view.edges + ids[0];
+        loadStates<size>(
+            view.state, [=](int i) { return records[i]; }, numbers);
       } else {
-        loadRecords<size>(pointers, numbers);
+        const std::int64_t* const records = view.records + I * view.edges;
+        loadStates<size>(
+            view.state, [=](int i) { return records[ids[i]]; }, numbers);
       }
       return Packing<typename Vertex::Estimate>::template load<L>(numbers);
     }()...);
@@ -226,11 +239,15 @@ inline void laneLoop(const BatchView& view, const std::int32_t* edges, int count
     L scattered[Loop::constants];
     const bool inRows = view.rows != nullptr;
     const L* constant = scattered;
+    bool run = false;
     if (inRows) {
       constant = asLanes<L>(view.constants + std::int64_t{begin} * view.numbers);
     } else {
       for (int i = 0; i < L::width; ++i) ids[i] = edges[begin + i < count ? begin + i : count - 1];
-      if (isRun(ids, count - begin < L::width ? count - begin : L::width)) {
+      const int present = count - begin < L::width ? count - begin : L::width;
+      const bool inLanes = isRun(ids, present);
+      run = inLanes && present == L::width;
+      if (inLanes) {
         constant = asLanes<L>(view.constants + std::int64_t{ids[0]} * view.numbers);
       } else if (view.diagonal) {
         gatherConstants<Loop::values + rows>(view.constants, view.numbers, ids, scattered);
@@ -241,7 +258,7 @@ inline void laneLoop(const BatchView& view, const std::int32_t* edges, int count
     const L* const U = constant + Loop::values;  // its diagonal alone, or the upper triangle
     const auto m = Packing<typename E::Measurement>::template load<L>(constant);
     const auto p = Loop::template parameterValues<L>(constant);
-    const auto x = loadEstimates<E, L>(view, ids, group);
+    const auto x = loadEstimates<E, L>(view, ids, run, group);
     const E& none = *static_cast<const E*>(view.objects[ids[0]]);
     Vector<L, rows> error;
     if constexpr (withJacobians) {

@@ -1,5 +1,6 @@
 #include <quiver/core/problem/panel_totals.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace quiver {
@@ -13,12 +14,17 @@ double sumOf(const double (&part)[8]) {
 
 void PanelTotals::add(int first, int count, const double* squaredErrors, const double* costs) {
   int i = 0;
+  double chi2[lanes], cost[lanes];  // in registers
+  std::copy_n(chi2_, lanes, chi2);
+  std::copy_n(cost_, lanes, cost);
   for (; i + lanes <= count; i += lanes) {
     for (int lane = 0; lane < lanes; ++lane) {
-      chi2_[lane] += squaredErrors[i + lane];
-      cost_[lane] += costs[i + lane];
+      chi2[lane] += squaredErrors[i + lane];
+      cost[lane] += costs[i + lane];
     }
   }
+  std::copy_n(chi2, lanes, chi2_);
+  std::copy_n(cost, lanes, cost_);
   for (int lane = 0; i + lane < count; ++lane) {
     chi2_[lane] += squaredErrors[i + lane];
     cost_[lane] += costs[i + lane];

@@ -35,7 +35,7 @@ inline void whitenBlock(const L* U, Block& J) {
 template <typename L, typename Block, typename Error>
 inline void addSquare(const Block& J, const Error& error, double* const* records) {
   constexpr int D = Block::ColsAtCompileTime;
-  constexpr int padded = (D * (D + 1) / 2 + D + 7) / 8 * 8;
+  constexpr int numbers = recordNumbers(D);
   const auto entry = [&]<int At>(std::integral_constant<int, At>) {
     constexpr TriangleEntry place = triangleEntry<D>(At);
     if constexpr (place.row == D) {
@@ -55,7 +55,11 @@ inline void addSquare(const Block& J, const Error& error, double* const* records
   [&]<int... Chunk>(std::integer_sequence<int, Chunk...>) {
     (addEight(std::integral_constant<int, Chunk * L::width>(), std::make_integer_sequence<int, L::width>()), ...);
   }
-  (std::make_integer_sequence<int, padded / L::width>());
+  (std::make_integer_sequence<int, numbers / L::width>());
+  if constexpr (numbers % L::width == 1) {
+    const L last = entry(std::integral_constant<int, numbers - 1>());
+    for (int i = 0; i < L::width; ++i) records[i][numbers - 1] += last.v[i];
+  }
 }
 
 /// AᵀB column by column, transposed in the lanes that ask for it, written to eight blocks.
@@ -99,7 +103,7 @@ inline void productLoop(const BatchView& view, int first, int count, const Produ
     const L* const constant = asLanes<L>(in);
     const auto m = Packing<typename E::Measurement>::template load<L>(constant);
     const auto p = Loop::template parameterValues<L>(constant);
-    const auto x = loadEstimates<E, L>(view, ids, 0);
+    const auto x = loadEstimates<E, L>(view, ids, at + L::width <= view.edges, 0);
     const E& none = *static_cast<const E*>(view.objects[at]);
     typename Loop::template Blocks<L> J;
     Vector<L, rows> error;

@@ -57,12 +57,20 @@ inline void retractLanes(const Retraction& retraction) {
   for (int begin = 0; begin < retraction.count; begin += L::width) {
     const double* from[L::width];
     double* to[L::width];
-    L delta[dimension];
+    const double* steps[L::width];
     for (int i = 0; i < L::width; ++i) {
       const int vertex = begin + i < retraction.count ? begin + i : retraction.count - 1;
       from[i] = retraction.from + retraction.records[vertex];
       to[i] = retraction.to + retraction.records[vertex];
-      for (int k = 0; k < dimension; ++k) delta[k].v[i] = retraction.delta[vertex * dimension + k];
+      steps[i] = retraction.delta + std::int64_t{vertex} * dimension;
+    }
+    L delta[dimension];
+    if (begin + L::width + 8 / dimension < retraction.count) {
+      loadRecords<dimension>(steps, delta);
+    } else {  // loadRecords may read up to eight numbers on
+      for (int k = 0; k < dimension; ++k) {
+        for (int i = 0; i < L::width; ++i) delta[k].v[i] = steps[i][k];
+      }
     }
     L numbers[size];
     loadRecords<size>(from, numbers);

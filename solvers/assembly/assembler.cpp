@@ -36,6 +36,8 @@ Assembler::Assembler(const Problem& problem, BlockMatrix& matrix, std::vector<in
       shared_(plan_.sharedNumbers() + 8, false) {
   makeKernels();
   totals_.resize(plan_.pieces().size());
+  diagonalBlocks_.reserve(position_.size());
+  for (const int place : position_) diagonalBlocks_.push_back(matrix.offset(matrix.pattern().columnBegin(place)));
   placeAddresses(matrix);
 }
 
@@ -97,7 +99,7 @@ CostTotals Assembler::assemble(const State& state, BlockMatrix& matrix, std::spa
   seconds.linearize += watch.lap();
   const int variables = problem_->variables();
   constexpr int pieceVariables = 512;
-  const DiagonalGather gather{*problem_, plan_, position_, records_.data(), matrix, gradient, diagonal};
+  const DiagonalGather gather{*problem_, plan_, diagonalBlocks_, records_.data(), matrix, gradient, diagonal};
   parallelFor((variables + pieceVariables - 1) / pieceVariables, threads_, [&](std::int64_t p) {
     const int begin = static_cast<int>(p) * pieceVariables;
     gather.run(begin, std::min(variables, begin + pieceVariables));

@@ -60,6 +60,7 @@ class Assembler {
   const Problem* problem_ = nullptr;
   AssemblyPlan plan_;
   std::vector<int> position_;
+  std::vector<std::int64_t> diagonalBlocks_;  // of the variables, in the matrix
   int threads_ = 1;
   InstructionSet set_ = InstructionSet::generic;
   std::vector<BatchKernels> kernels_;

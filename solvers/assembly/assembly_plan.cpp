@@ -70,7 +70,8 @@ void AssemblyPlan::placeRecords(const Problem& problem) {
         if (lastPiece[v] != static_cast<int>(p)) {
           lastPiece[v] = static_cast<int>(p);
           lastRecord[v] = recordNumbers_;
-          recordNumbers_ += LaneProducts::paddedSize(problem.dimension(variable));
+          // Whole lines: adding to a record must not cross one.
+          recordNumbers_ += (LaneProducts::paddedSize(problem.dimension(variable)) + 7) / 8 * 8;
           owners.emplace_back(variable, lastRecord[v]);
         }
         records_.push_back(lastRecord[v]);

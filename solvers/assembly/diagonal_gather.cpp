@@ -4,53 +4,73 @@
 
 namespace quiver {
 
+namespace {
+
+/// Variables come in the order of their ids, their blocks in that of elimination: no hardware sees what comes next.
+constexpr int ahead = 6;
+constexpr int line = 8;
+
+}  // namespace
+
 void DiagonalGather::run(int begin, int end) const {
-  for (int variable = begin; variable < end; ++variable) {
-    switch (const int dimension = problem.dimension(variable)) {
+  for (int first = begin, last = begin; first < end; first = last) {
+    const int dimension = problem.dimension(first);
+    while (last < end && problem.dimension(last) == dimension) ++last;
+    switch (dimension) {
       case 1:
-        gather<1>(variable);
+        gather<1>(first, last);
         break;
       case 2:
-        gather<2>(variable);
+        gather<2>(first, last);
         break;
       case 3:
-        gather<3>(variable);
+        gather<3>(first, last);
         break;
       case 6:
-        gather<6>(variable);
+        gather<6>(first, last);
         break;
       case 7:
-        gather<7>(variable);
+        gather<7>(first, last);
         break;
       case 9:
-        gather<9>(variable);
+        gather<9>(first, last);
         break;
       default:
-        gatherAny(variable, dimension);
+        for (int variable = first; variable < last; ++variable) gatherAny(variable, dimension);
     }
   }
+  if (!problem.anyHeldDirections()) return;
+  for (int variable = begin; variable < end; ++variable) holdDirections(variable);
 }
 
 template <int D>
-void DiagonalGather::gather(int variable) const {
-  constexpr int padded = LaneProducts::paddedSize(D);
-  const std::int64_t begin = plan.gatherBegin(variable);
-  const std::int64_t end = plan.gatherBegin(variable + 1);
-  double total[padded];
-  const double* first = records + plan.gathered(begin);
-  for (int k = 0; k < padded; ++k) total[k] = first[k];
-  for (std::int64_t i = begin + 1; i < end; ++i) {
-    const double* record = records + plan.gathered(i);
-    for (int k = 0; k < padded; ++k) total[k] += record[k];
+void DiagonalGather::gather(int first, int last) const {
+  constexpr int size = LaneProducts::squareSize(D);
+  double* const values = matrix.values().data();
+  for (int variable = first; variable < last; ++variable) {
+    if (variable + ahead < last) {
+      const double* const record = records + plan.gathered(plan.gatherBegin(variable + ahead));
+      double* const block = values + blocks[static_cast<std::size_t>(variable + ahead)];
+      for (int k = 0; k < size; k += line) __builtin_prefetch(record + k);
+      for (int k = 0; k < D * D; k += line) __builtin_prefetch(block + k, 1);
+    }
+    const std::int64_t begin = plan.gatherBegin(variable);
+    const std::int64_t end = plan.gatherBegin(variable + 1);
+    double total[size];
+    const double* const one = records + plan.gathered(begin);
+    for (int k = 0; k < size; ++k) total[k] = one[k];
+    for (std::int64_t i = begin + 1; i < end; ++i) {
+      const double* const record = records + plan.gathered(i);
+      for (int k = 0; k < size; ++k) total[k] += record[k];
+    }
+    double* const block = values + blocks[static_cast<std::size_t>(variable)];
+    const std::int64_t offset = problem.offset(variable);
+    for (int r = 0, at = 0; r < D; ++r) {
+      diagonal[static_cast<std::size_t>(offset + r)] = total[at];
+      for (int c = r; c < D; ++c, ++at) block[r * D + c] = block[c * D + r] = total[at];
+    }
+    for (int r = 0; r < D; ++r) gradient[static_cast<std::size_t>(offset + r)] = total[D * (D + 1) / 2 + r];
   }
-  double* block = matrix.block(matrix.pattern().columnBegin(position[static_cast<std::size_t>(variable)]));
-  const std::int64_t offset = problem.offset(variable);
-  for (int r = 0, at = 0; r < D; ++r) {
-    diagonal[static_cast<std::size_t>(offset + r)] = total[at];
-    for (int c = r; c < D; ++c, ++at) block[r * D + c] = block[c * D + r] = total[at];
-  }
-  for (int r = 0; r < D; ++r) gradient[static_cast<std::size_t>(offset + r)] = total[D * (D + 1) / 2 + r];
-  holdDirections(variable, D, block);
 }
 
 void DiagonalGather::gatherAny(int variable, int dimension) const {
@@ -63,7 +83,7 @@ void DiagonalGather::gatherAny(int variable, int dimension) const {
     const double* record = records + plan.gathered(i);
     for (int k = 0; k < size; ++k) total[k] += record[k];
   }
-  double* block = matrix.block(matrix.pattern().columnBegin(position[static_cast<std::size_t>(variable)]));
+  double* block = matrix.values().data() + blocks[static_cast<std::size_t>(variable)];
   const std::int64_t offset = problem.offset(variable);
   int at = 0;
   for (int r = 0; r < dimension; ++r) {
@@ -71,10 +91,11 @@ void DiagonalGather::gatherAny(int variable, int dimension) const {
     for (int c = r; c < dimension; ++c, ++at) block[r * dimension + c] = block[c * dimension + r] = total[at];
   }
   for (int r = 0; r < dimension; ++r) gradient[static_cast<std::size_t>(offset + r)] = total[at + r];
-  holdDirections(variable, dimension, block);
 }
 
-void DiagonalGather::holdDirections(int variable, int dimension, double* block) const {
+void DiagonalGather::holdDirections(int variable) const {
+  const int dimension = problem.dimension(variable);
+  double* const block = matrix.values().data() + blocks[static_cast<std::size_t>(variable)];
   const std::uint64_t held = problem.heldDirections(variable);
   for (int r = 0; held != 0 && r < dimension && r < 64; ++r) {
     if (!(held >> r & 1)) continue;

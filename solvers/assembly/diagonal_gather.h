@@ -14,7 +14,8 @@ namespace quiver {
 struct DiagonalGather {
   const Problem& problem;
   const AssemblyPlan& plan;
-  const std::vector<int>& position;
+  /// First number of each variable's diagonal block in the matrix.
+  const std::vector<std::int64_t>& blocks;
   /// Numbers of the first record of larger vertices are overwritten.
   double* records;
   BlockMatrix& matrix;
@@ -26,9 +27,9 @@ struct DiagonalGather {
 
  private:
   template <int D>
-  void gather(int variable) const;
+  void gather(int first, int last) const;
   void gatherAny(int variable, int dimension) const;
-  void holdDirections(int variable, int dimension, double* block) const;
+  void holdDirections(int variable) const;
 };
 
 }  // namespace quiver

@@ -79,6 +79,7 @@ inline L squareEntry(const double* J, const double* residual) {
 /// Sizes as constants: eight numbers of eight edges at a time stay in registers until they are turned into records.
 template <typename L, int N, int D>
 inline void squareFixed(const double* J, const double* residual, double* const* out) {
+  constexpr int numbers = LaneProducts::paddedSize(D);
   // Eight observations of one camera would each wait for the sum of the one before.
   bool one = true;
   for (int i = 1; i < width; ++i) one = one && out[i] == out[0];
@@ -95,7 +96,16 @@ inline void squareFixed(const double* J, const double* residual, double* const* 
   [&]<int... Chunk>(std::integer_sequence<int, Chunk...>) {
     (addEight(std::integral_constant<int, Chunk * width>(), std::make_integer_sequence<int, width>()), ...);
   }
-  (std::make_integer_sequence<int, LaneProducts::paddedSize(D) / width>());
+  (std::make_integer_sequence<int, numbers / width>());
+  if constexpr (numbers % width == 1) {
+    const L last = squareEntry<L, N, D, numbers - 1>(J, residual);
+    if (one) {
+      out[0][numbers - 1] +=
+          ((last.v[0] + last.v[1]) + (last.v[2] + last.v[3])) + ((last.v[4] + last.v[5]) + (last.v[6] + last.v[7]));
+    } else {
+      for (int i = 0; i < width; ++i) out[i][numbers - 1] += last.v[i];
+    }
+  }
 }
 
 /// AᵀB of eight edges column by column, or row by row, eight numbers at a time.

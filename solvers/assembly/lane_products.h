@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include <quiver/core/problem/product_targets.h>
 #include <quiver/geometry/scalar/isa.h>
 
 namespace quiver {
@@ -33,7 +34,7 @@ class LaneProducts {
 
   /// Numbers that `Square` packs for one edge.
   static constexpr int squareSize(int columns) { return columns * (columns + 1) / 2 + columns; }
-  static constexpr int paddedSize(int columns) { return (squareSize(columns) + 7) / 8 * 8; }
+  static constexpr int paddedSize(int columns) { return recordNumbers(columns); }
 };
 
 }  // namespace quiver
