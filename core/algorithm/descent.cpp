@@ -15,6 +15,9 @@ namespace {
 
 constexpr std::string_view interruptedReason = "interrupted; the best estimate so far is kept";
 
+/// Squared standard deviations an edge: in statistics nothing.
+constexpr double negligibleCost = 1e-6;
+
 /// A formatted sentence that needs no heap unless it is long.
 class ShortText {
  public:
@@ -189,6 +192,10 @@ bool Descent::stopRuleMet(double costBefore) {
     finish(Status::converged, "the cost is what rounding makes of zero");
     return true;
   }
+  if (totals_.cost >= costBefore && damping_ == 0.0 && atRest(true)) {
+    finishAtRest();
+    return true;
+  }
   // Relative to the first gradient it would be met far from the optimum whenever one error was huge at the start.
   const double gradient = scaledGradient_ / std::sqrt(std::abs(totals_.cost));
   if (gradient < options_.gradientTolerance) {
@@ -213,9 +220,8 @@ bool Descent::costRests(double change) const {
 }
 
 bool Descent::costIsRounding() const {
-  constexpr double negligible = 1e-6;  // squared standard deviations an edge: in statistics nothing
   return options_.costTolerance > 0.0 && totals_.cost >= 0.0 &&
-         totals_.cost <= negligible * static_cast<double>(problem_.edges()) && totals_.cost <= roundings();
+         totals_.cost <= negligibleCost * static_cast<double>(problem_.edges()) && totals_.cost <= roundings();
 }
 
 double Descent::roundings() const {
@@ -249,6 +255,21 @@ void Descent::finishWithoutProspect(double predicted) {
          ShortText("no step can lower the cost by more than {:.2e} of itself", predicted / totals_.cost));
 }
 
+bool Descent::atRest(bool fullStep) const {
+  constexpr double littleStep = 1e-7;
+  constexpr double littleDamping = 1e-3;
+  constexpr double fallen = 1e-16;
+  if (!(options_.costTolerance > 0.0) || !(totals_.cost >= 0.0)) return false;
+  if (totals_.cost > negligibleCost * static_cast<double>(problem_.edges())) return false;
+  return totals_.cost <= fallen * summary_.initialCost ||
+         (fullStep && damping_ <= littleDamping && relativeStep_ <= littleStep);
+}
+
+void Descent::finishAtRest() {
+  finish(Status::converged, ShortText("no step lowers the cost, which is {:.2e} an edge",
+                                      totals_.cost / static_cast<double>(problem_.edges())));
+}
+
 void Descent::fail(const LinearOutcome& outcome) {
   if (outcome.kind == LinearOutcome::Kind::interrupted) {
     stopMidway();
@@ -276,9 +297,10 @@ void Descent::end() {
   system_.addSeconds(report_.seconds);
   if (bestSaved_ && totals_.cost > bestTotals_.cost) {
     const double settled = totals_.cost;
+    const bool rests = atRest(true);
     problem_.restoreBest();
     totals_ = bestTotals_;
-    if (summary_.status == Status::converged && settled > bestTotals_.cost * (1.0 + 1e-9) &&
+    if (summary_.status == Status::converged && settled > bestTotals_.cost * (1.0 + 1e-9) && !rests &&
         relativeStep_ > options_.stepTolerance) {
       finish(Status::stalled, "full steps settle at a cost above the lowest met, which is kept; try --algorithm lm");
     }

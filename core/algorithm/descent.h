@@ -42,6 +42,12 @@ class Descent {
   void finish(Status status, std::string_view reason);
   /// Ends since the best step lowers the cost by so little.
   void finishWithoutProspect(double predicted);
+  /// Whether the step tried last could do nothing that matters: the cost is next to nothing beside the number of edges,
+  /// and a full step is next to nothing beside the estimate, or the cost has fallen to what rounding leaves of the
+  /// first. Rounding of constants that errors hold keeps a cost of zero from being reached and says so nowhere else.
+  bool atRest(bool fullStep) const;
+  /// Ends there.
+  void finishAtRest();
   /// Ends because a linear system could not be solved, in words that name the vertex.
   void fail(const LinearOutcome& outcome);
   /// Ends because the stop condition was met within a linearisation or evaluation.

@@ -158,6 +158,7 @@ void dogleg(Descent& descent) {
       const double promise = path.fullPromise();
       if (promise > 0.0 && promise <= descent.options().costTolerance * descent.totals().cost)
         return descent.finishWithoutProspect(promise);
+      if (descent.atRest(whole)) return descent.finishAtRest();
       if (radius <= leastRadius * path.fullNorm()) {
         return descent.finish(
             Status::stalled,

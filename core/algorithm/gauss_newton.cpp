@@ -55,6 +55,10 @@ bool gaussNewton(Descent& descent, bool careful) {
         chord = false;
         continue;
       }
+      if (descent.atRest(true)) {
+        descent.finishAtRest();
+        return true;
+      }
       if (careful) {
         descent.returnToBest();
         return false;

@@ -75,6 +75,7 @@ void levenbergMarquardt(Descent& descent) {
     }
     descent.reject();
     // A promise made small by damping alone proves nothing: only the first trial from an estimate counts.
+    if (failures == 0 && descent.atRest(outcome.ok())) return descent.finishAtRest();
     if (failures++ == 0 && predicted > 0.0 && predicted <= descent.options().costTolerance * descent.totals().cost)
       return descent.finishWithoutProspect(predicted);
     damping.fail();
