@@ -82,12 +82,15 @@ Json describeProbabilities(const Graph& graph, const std::vector<EdgeProbability
 
 Json describeResiduals(Graph& graph, std::int64_t determined, int worst) {
   const ResidualSurvey survey = surveyResiduals(graph, determined, worst);
-  Json json{{"chi2", survey.chi2}, {"cost", survey.cost}};
+  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  Json json{{"chi2", number(survey.chi2)}, {"cost", number(survey.cost)}};
+  json["undefined"] = Json::array();
+  for (const Edge* edge : survey.undefined) json["undefined"].push_back(describeEdge(graph, *edge));
   json["worst_edges"] = describeProbabilities(graph, survey.worst);
   json["redundancy"] = {{"measured", survey.measured},
                         {"determined", survey.determined},
                         {"degrees_of_freedom", survey.degreesOfFreedom},
-                        {"p_value", survey.pValue}};
+                        {"p_value", number(survey.pValue)}};
   json["gates"] = Json::array();
   for (const Gate& gate : survey.gates)
     json["gates"].push_back({{"probability", gate.probability}, {"beyond", gate.beyond}, {"expected", gate.expected}});

@@ -98,11 +98,21 @@ void printEdges(const Json& edges) {
 }
 
 void printResiduals(const Json& json) {
-  printLine("chi2", fmt::format("{:.10g}, cost {:.10g}", json["chi2"].get<double>(), json["cost"].get<double>()));
+  const Json& undefined = json["undefined"];
+  if (!undefined.empty()) {
+    printLine("chi2", fmt::format("not a number because of {}, the first {}",
+                                  counted(static_cast<std::int64_t>(undefined.size()), "edge"), nameOf(undefined[0])));
+  } else if (json["chi2"].is_null()) {
+    printLine("chi2", "infinite");
+  } else {
+    printLine("chi2", fmt::format("{:.10g}, cost {:.10g}", json["chi2"].get<double>(), json["cost"].get<double>()));
+  }
   const Json& redundancy = json["redundancy"];
-  printLine("redundancy", fmt::format("{} numbers measured for {} unknown ones; chi2 is to be about {}, p {:.2g}",
+  const std::string probability =
+      redundancy["p_value"].is_null() ? "" : fmt::format(", p {:.2g}", redundancy["p_value"].get<double>());
+  printLine("redundancy", fmt::format("{} numbers measured for {} unknown ones; chi2 is to be about {}{}",
                                       redundancy["measured"].dump(), redundancy["determined"].dump(),
-                                      redundancy["degrees_of_freedom"].dump(), redundancy["p_value"].get<double>()));
+                                      redundancy["degrees_of_freedom"].dump(), probability));
   std::string gates;
   for (const Json& gate : json["gates"]) {
     gates += fmt::format("{}{} beyond {:g} % ({:.4g} expected)", gates.empty() ? "" : ", ", gate["beyond"].dump(),
@@ -155,10 +165,10 @@ void printNumbers(const Json& json) {
                                    depth["behind_camera"].dump(), depth["observations"].dump(),
                                    depth["first"]["type"].get<std::string>(), depth["first"]["vertices"].dump()));
   }
-  if (json["chi2"].is_null()) {
-    printLine("chi2", "unknown: vertices have no estimate");
-  } else {
+  if (json.contains("redundancy")) {
     printResiduals(json);
+  } else {
+    printLine("chi2", "unknown: vertices have no estimate");
   }
   printFreedom(json);
   if (!json.contains("plan")) return;

@@ -1,6 +1,7 @@
 #include <quiver/apps/info/residual_survey.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include <quiver/core/util/chi_squared.h>
 
@@ -35,6 +36,10 @@ ResidualSurvey surveyResiduals(Graph& graph, std::int64_t determined, int worst)
     if (entry.edge->level() != 0) continue;  // takes no part in `optimize` either
     survey.chi2 += entry.chi2;
     survey.cost += entry.cost;
+    if (std::isnan(entry.chi2)) {
+      survey.undefined.push_back(entry.edge);
+      continue;
+    }
     const int dimension = weightedDimension(graph, *entry.edge);
     survey.measured += dimension;
     if (dimension == 0) continue;
@@ -45,9 +50,12 @@ ResidualSurvey surveyResiduals(Graph& graph, std::int64_t determined, int worst)
     }
   }
   survey.determined = determined;
-  survey.degreesOfFreedom = survey.measured - determined;
-  if (survey.degreesOfFreedom > 0)
+  survey.degreesOfFreedom = std::max<std::int64_t>(0, survey.measured - determined);
+  if (std::isnan(survey.chi2)) {
+    survey.pValue = survey.chi2;
+  } else if (survey.degreesOfFreedom > 0) {
     survey.pValue = chiSquaredTail(survey.chi2, static_cast<int>(survey.degreesOfFreedom));
+  }
 
   const auto count = static_cast<double>(edges.size());
   survey.judged = static_cast<double>(survey.gates[1].beyond) <= mostBeyond * count;

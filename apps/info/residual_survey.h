@@ -33,13 +33,15 @@ struct ResidualSurvey {
   std::int64_t measured = 0;
   std::int64_t determined = 0;
   std::int64_t degreesOfFreedom = 0;
-  /// Of chi2 as a whole; 1 where nothing is redundant.
+  /// Of chi2 as a whole; 1 where nothing is redundant, not a number where chi2 is not.
   double pValue = 1.0;
   std::array<Gate, 3> gates;
   /// Largest chi2 first.
   std::vector<EdgeProbability> worst;
   /// Whether the estimates fit well enough for single edges to be suspected.
   bool judged = false;
+  /// Edges whose chi2 is not a number; they are counted nowhere else, but chi2 is none either.
+  std::vector<const Edge*> undefined;
   /// Edges so bad that one among all would be with probability 0.001 only; least p-value first.
   std::vector<EdgeProbability> suspects;
 };

@@ -120,7 +120,9 @@ void addStartFlags(CLI::App& command, OptimizeFlags& flags) {
       ->capture_default_str();
   addList(command, "--fix", flags.fix, "Vertices to hold fixed, beside the file's FIX lines", vertexId())
       ->type_name("ID[,ID...]");
-  addList(command, "--only", flags.only, "Vertices to move; all others are held", vertexId())->type_name("ID[,ID...]");
+  addList(command, "--only", flags.only,
+          "Vertices to move; all others are held, and only edges on these take part and count in chi2", vertexId())
+      ->type_name("ID[,ID...]");
   static const std::map<std::string, GaugePolicy> policies{
       {"auto", GaugePolicy::automatic}, {"fix", GaugePolicy::fix}, {"free", GaugePolicy::free}};
   command

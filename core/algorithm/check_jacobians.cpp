@@ -27,6 +27,8 @@ Graph plainCopy(const Graph& graph) {
   return copy;
 }
 
+constexpr double operations = 32.0;  // roundings that may add up in an error
+
 /// Differences one edge of a batch.
 class EdgeDifferences {
  public:
@@ -63,7 +65,7 @@ class EdgeDifferences {
     double size = 1.0;
     for (const double entry : block) size = std::max(size, std::abs(entry));
     for (int c = 0; c < columns; ++c) {
-      const Column column = differentiate(edge, slot, shape.rows, columns, c);
+      const Column column = differentiate(edge, slot, shape.rows, columns, c, size);
       if (column.slopes.empty()) {
         ++jumps_;
         continue;
@@ -91,9 +93,11 @@ class EdgeDifferences {
 
   /// Differences over h and h/2, extrapolated. Where they disagree the error bends within the step, as it does along a
   /// coordinate whose own size is tiny: then with shorter steps, down to where they agree.
-  Column differentiate(std::span<const std::int32_t> edge, int slot, int rows, int columns, int direction) {
+  /// `steepest` is the largest entry of the block, by which rounding of what moves is magnified.
+  Column differentiate(std::span<const std::int32_t> edge, int slot, int rows, int columns, int direction,
+                       double steepest) {
     constexpr double agreement = 1e-3;
-    constexpr double negligible = 1e-2;
+    constexpr double negligible = 0.1;
     constexpr double spreads = 4.0;
     constexpr double shorter = 1.0 / 32.0;
     constexpr int tries = 8;
@@ -113,8 +117,9 @@ class EdgeDifferences {
       }
       if (attempt > 0) {
         // A step shorter than usual is not much longer than the rounding of what moves, nor a steep error free of it.
-        if (stepRounding_ > negligible * h) break;
-        column.rounding = std::max({column.rounding, size * stepRounding_ / h, spreads * apart});
+        if (operations * stepRounding_ > negligible * h) break;
+        column.rounding =
+            std::max({column.rounding, operations * std::max(size, steepest) * stepRounding_ / h, spreads * apart});
       }
       // A jump of one or more: its slope over the step. Where the error is as steep as that, differences tell nothing.
       if (!(size <= 0.5 / h)) continue;
@@ -122,6 +127,16 @@ class EdgeDifferences {
       if (first.slopes.empty()) first = std::move(column);
     }
     return first;
+  }
+
+  /// Of all estimates that an edge joins: what is added to which in its error, nobody knows.
+  double largestValue(std::span<const std::int32_t> edge) const {
+    double largest = 0.0;
+    for (const std::int32_t slot : batch_.slots(edge[0])) {
+      const double* const values = problem_.state().record(slot);
+      for (int k = 0; k < problem_.layout().valueCount(slot); ++k) largest = std::max(largest, std::abs(values[k]));
+    }
+    return largest;
   }
 
   /// (e(x ⊞ h) − e(x ⊟ h)) / 2h along one direction of one vertex; leaves the state as it was.
@@ -144,13 +159,12 @@ class EdgeDifferences {
     const int count = problem_.layout().valueCount(slot);
     for (int k = 0; k < count; ++k) size = std::max(size, std::abs(x[k]));
     constexpr double epsilon = std::numeric_limits<double>::epsilon();
-    stepRounding_ = epsilon * (count == columns ? std::abs(x[direction]) : size);
+    stepRounding_ = epsilon * largestValue(edge);
     for (std::size_t r = 0; r < forward.size(); ++r) {
       size = std::max(size, std::abs(forward[r]));
       forward[r] = (forward[r] - backward[r]) / (2.0 * h);
     }
     std::copy_n(x, count, state_.record(slot));
-    constexpr double operations = 32.0;  // roundings that may add up in an error
     rounding_ = operations * epsilon * size / h;
     return forward;
   }

@@ -71,7 +71,12 @@ bool Descent::begin() {
   }
   if (!measureGradient()) return false;
   if (gradient_ == 0.0) {
-    finish(Status::converged, "the gradient is zero at the start");
+    finish(Status::converged,
+           totals_.cost > 0.0
+               ? ShortText("the gradient is zero at the start, at a cost of {:.6g}: an optimum, or where "
+                           "errors or robust kernels have no slope",
+                           totals_.cost)
+               : ShortText("the cost is zero at the start"));
     return false;
   }
   if (costIsRounding()) {

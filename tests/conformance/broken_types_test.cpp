@@ -102,7 +102,7 @@ TEST(Conformance, ReportsWhatItSaw) {
   registry->addVertex<GoodPoint>("GOOD_POINT");
   registry->addEdge<WrongEdge>("WRONG_EDGE");
   const std::string text = checkConformance(registry).describe();
-  EXPECT_NE(text.find("WRONG_EDGE: analytic"), std::string::npos) << text;
+  EXPECT_NE(text.find("WRONG_EDGE: jacobians: analytic"), std::string::npos) << text;
   EXPECT_NE(text.find("-1 instead of 1"), std::string::npos) << text;
   ConformanceOptions only;
   only.tags = {"GOOD_POINT"};

@@ -77,8 +77,10 @@ int openBeside(const Target& target, const std::string& name, std::string& tempo
       temporary = candidate;
       return descriptor;
     }
-    if (errno == ENOENT) failWriting(name, fmt::format("there is no folder '{}'", folder.string()));
-    if (errno != EEXIST) failWriting(name, fmt::format("no temporary file in its folder: {}", std::strerror(errno)));
+    const int error = errno;
+    if (error == ENOENT && !std::filesystem::exists(folder))
+      failWriting(name, fmt::format("there is no folder '{}'", folder.string()));
+    if (error != EEXIST) failWriting(name, fmt::format("no temporary file in its folder: {}", std::strerror(error)));
   }
   failWriting(name, "its folder is full of temporary files");
 }
