@@ -116,6 +116,35 @@ TEST_F(Bundle, APointInTheCamerasPlaneIsNamed) {
   EXPECT_NE(result.err.find("EDGE_PROJECT_BAL 0 2 is not finite"), std::string::npos) << result.err;
 }
 
+TEST_F(Bundle, InfoReportsErrorsThatAreNotANumber) {
+  write("in.bal", "1 2 2\n0 0 10 10\n0 1 1 1\n0\n0\n0\n0\n0\n0\n500\n0\n0\n0\n0\n0\n0.1\n0.2\n-3\n");
+  const CommandResult told = run("info in.bal --json in.json");
+  EXPECT_EQ(told.exitCode, 0) << told.err;
+  EXPECT_NE(told.out.find("not a number because of 1 edge, the first EDGE_PROJECT_BAL 0 1"), std::string::npos)
+      << told.out;
+  const Json info = Json::parse(read("in.json"));
+  EXPECT_TRUE(info["chi2"].is_null());
+  ASSERT_EQ(info["undefined"].size(), 1u);
+  EXPECT_EQ(info["undefined"][0]["vertices"], Json::array({0, 1}));
+  EXPECT_EQ(info["worst_edges"].size(), 1u);
+}
+
+TEST_F(Bundle, EliminatesWithEverySolver) {
+  ASSERT_EQ(run("simulate bundle -o in.bal --cameras 20 --points 400 --track-length 5").exitCode, 0);
+  const Json list = Json::parse(run("list --json -").out);
+  double least = 0.0;
+  for (const Json& solver : list["linear_solvers"]) {
+    const auto name = solver["name"].get<std::string>();
+    if (name == "power") continue;  // as exact as its terms
+    const Json report = optimize("in.bal --solver " + name + " --eliminate VERTEX_TRACKXYZ");
+    EXPECT_EQ(report["elimination"]["eliminated"], 400) << name;
+    EXPECT_EQ(report["status"], "converged") << name;
+    if (least == 0.0) least = report["final_chi2"].get<double>();
+    EXPECT_NEAR(report["final_chi2"].get<double>(), least, 1e-6 * least) << name;
+  }
+  EXPECT_GT(least, 0.0);
+}
+
 TEST_F(Bundle, WrongFilesAreRefusedWithTheirPlace) {
   write("nan.bal", twoCameras({"0 0 10 nan", "1 0 -90 20"}, {"0.1 0.2 -5"}));
   const CommandResult nan = run("optimize nan.bal");
