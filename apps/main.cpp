@@ -90,6 +90,13 @@ int runCommand(int count, char** words) {
   return exitCode;
 }
 
+/// Whether a command line asks for plugins.
+bool namesPlugins(const std::vector<std::string>& arguments) {
+  return std::any_of(arguments.begin(), arguments.end(), [](const std::string& argument) {
+    return argument == "check" || argument.rfind("--plugin", 0) == 0;
+  });
+}
+
 /// What a command prints is its output too: text that got lost is no success.
 int checkStandardOutput(int exitCode) {
   const std::string failure = standardOutputFailure();
@@ -108,7 +115,7 @@ int main(int count, char** words) {
   try {
     exitCode = quiver::app::runCommand(count, words);
   } catch (...) {
-    exitCode = quiver::app::reportCurrentException();
+    exitCode = quiver::app::reportCurrentException(quiver::app::namesPlugins({words + 1, words + count}));
   }
   return quiver::app::checkStandardOutput(exitCode);
 }

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <new>
 
+#include <fmt/format.h>
+
 #include <quiver/apps/support/standard_streams.h>
 
 namespace quiver::app {
@@ -32,7 +34,7 @@ ExitCode exitCodeOf(Status status) {
   return exitInternal;
 }
 
-int reportCurrentException() {
+int reportCurrentException(bool plugins) {
   try {
     throw;
   } catch (const UsageError& error) {
@@ -47,7 +49,12 @@ int reportCurrentException() {
   } catch (const std::bad_alloc&) {
     return report("out of memory", exitNumericalFailure);
   } catch (const std::exception& error) {
+    if (plugins) return report(fmt::format("a function of a plugin threw: {}", error.what()).c_str(), exitBadInput);
     tell(stderr, "quiver has a defect, please report it: {}\n", error.what());
+    return exitInternal;
+  } catch (...) {
+    if (plugins) return report("a function of a plugin threw what is no exception of the standard", exitBadInput);
+    tell(stderr, "quiver has a defect, please report it: something unknown was thrown\n");
     return exitInternal;
   }
 }

@@ -30,7 +30,8 @@ class OutputError : public Error {
 
 ExitCode exitCodeOf(Status status);
 
-/// The exit code for the exception being handled, whose message it prints to standard error.
-int reportCurrentException();
+/// The exit code for the exception being handled, whose message it prints to standard error. With plugins, exceptions
+/// that are none of quiver's are theirs.
+int reportCurrentException(bool plugins);
 
 }  // namespace quiver::app

@@ -40,6 +40,8 @@ class EdgeDifferences {
         state_(problem.state()) {}
 
   std::int64_t jumps() const { return jumps_; }
+  /// Columns that were compared.
+  std::int64_t compared() const { return compared_; }
 
   /// Replaces `worst` if an entry of this edge deviates more.
   void compare(std::int32_t edge, JacobianEntry& worst) {
@@ -58,75 +60,99 @@ class EdgeDifferences {
   }
 
  private:
+  /// A column by differences, and how far each of its slopes may be off. No slopes where the error jumps.
+  struct Column {
+    std::vector<double> slopes;
+    std::vector<double> doubts;
+  };
+
   void compareBlock(std::span<const std::int32_t> edge, int role, const EdgeShape& shape,
                     const std::vector<double>& block, JacobianEntry& worst) {
     const int slot = batch_.slots(edge[0])[static_cast<std::size_t>(role)];
     const int columns = shape.columns[static_cast<std::size_t>(role)];
-    double size = 1.0;
-    for (const double entry : block) size = std::max(size, std::abs(entry));
+    const auto rows = static_cast<std::size_t>(shape.rows);
+    // Rows have units of their own: each is measured by its largest entry.
+    std::vector<Column> differences;
+    std::vector<double> sizes(rows, 0.0);
     for (int c = 0; c < columns; ++c) {
-      const Column column = differentiate(edge, slot, shape.rows, columns, c, size);
-      if (column.slopes.empty()) {
-        ++jumps_;
-        continue;
+      differences.push_back(differentiate(edge, slot, shape.rows, columns, c, block));
+      for (std::size_t r = 0; r < rows; ++r) {
+        const double slope = differences.back().slopes.empty() ? 0.0 : std::abs(differences.back().slopes[r]);
+        sizes[r] = std::max({sizes[r], slope, std::abs(block[static_cast<std::size_t>(c) * rows + r])});
       }
-      for (int r = 0; r < shape.rows; ++r) {
-        const auto i = static_cast<std::size_t>(r);
-        const double computed = block[static_cast<std::size_t>(c * shape.rows + r)];
-        const double expected = column.slopes[i];
-        const double difference = std::abs(computed - expected);
-        const double deviation = std::isfinite(difference) ? std::max(0.0, difference - column.rounding) / size
-                                                           : std::numeric_limits<double>::infinity();
+    }
+    constexpr double nothing = 1e-9;  // beside other rows
+    const double least = nothing * *std::max_element(sizes.begin(), sizes.end());
+    for (int c = 0; c < columns; ++c) {
+      const Column& column = differences[static_cast<std::size_t>(c)];
+      ++(column.slopes.empty() ? jumps_ : compared_);
+      for (std::size_t r = 0; r < column.slopes.size(); ++r) {
+        const double computed = block[static_cast<std::size_t>(c) * rows + r];
+        const double apart = std::abs(computed - column.slopes[r]);
+        const double beyond = std::isfinite(apart) ? apart - column.doubts[r] : std::numeric_limits<double>::infinity();
+        const double deviation = beyond > 0.0 ? beyond / std::max(sizes[r], least) : 0.0;
         if (!(deviation > worst.deviation) && !worst.vertices.empty()) continue;
         const auto ids = batch_.edge(edge[0]).vertexIds();
-        worst = {{ids.begin(), ids.end()}, role, r, c, "", computed, expected, deviation};
+        worst = {{ids.begin(), ids.end()}, role, static_cast<int>(r), c, "", computed, column.slopes[r], deviation};
         worst.direction = problem_.vertexType(slot).tangentNames(columns)[static_cast<std::size_t>(c)];
       }
     }
   }
 
-  /// A column by differences, and what rounding makes of them. No slopes where the error jumps.
-  struct Column {
-    std::vector<double> slopes;
-    double rounding = 0.0;
-  };
-
-  /// Differences over h and h/2, extrapolated. Where they disagree the error bends within the step, as it does along a
-  /// coordinate whose own size is tiny: then with shorter steps, down to where they agree.
-  /// `steepest` is the largest entry of the block, by which rounding of what moves is magnified.
+  /// Differences over h and h/2, extrapolated, and over 0.37 h, since two may agree by chance where the error
+  /// oscillates within the step. Where they disagree the error bends within the step, as it does along a coordinate
+  /// whose own size is tiny, or jumps: then with shorter steps, down to where they agree. `block` tells how rounding of
+  /// what moves is magnified.
   Column differentiate(std::span<const std::int32_t> edge, int slot, int rows, int columns, int direction,
-                       double steepest) {
-    constexpr double agreement = 1e-3;
+                       const std::vector<double>& block) {
     constexpr double negligible = 0.1;
-    constexpr double spreads = 4.0;
     constexpr double shorter = 1.0 / 32.0;
     constexpr int tries = 8;
-    Column first;
-    double h = step_;
+    const double coarseness = operations * std::numeric_limits<double>::epsilon();
+    const double largest = largestValue(edge);
+    double h = firstStep(slot, direction, columns);
     for (int attempt = 0; attempt <= tries; ++attempt, h *= shorter) {
-      const std::vector<double> wide = difference(edge, slot, rows, columns, direction, h);
-      const std::vector<double> narrow = difference(edge, slot, rows, columns, direction, 0.5 * h);
-      Column column{std::vector<double>(wide.size()), rounding_};
-      // A third one, since two may agree by chance where the error oscillates within the step.
-      const std::vector<double> third = difference(edge, slot, rows, columns, direction, 0.37 * h);
-      double apart = 0.0, size = 0.0;
-      for (std::size_t r = 0; r < wide.size(); ++r) {
-        column.slopes[r] = (4.0 * narrow[r] - wide[r]) / 3.0;
-        apart = std::max({apart, std::abs(narrow[r] - wide[r]), std::abs(narrow[r] - third[r])});
-        size = std::max(size, std::abs(narrow[r]));
+      // A step shorter than usual is not much longer than the rounding of what moves.
+      if (attempt > 0 && coarseness * largest > negligible * h) break;
+      const Difference wide = difference(edge, slot, rows, columns, direction, h);
+      const Difference narrow = difference(edge, slot, rows, columns, direction, 0.5 * h);
+      const Difference third = difference(edge, slot, rows, columns, direction, 0.37 * h);
+      bool agree = true;
+      Column column;
+      for (std::size_t r = 0; r < wide.slopes.size(); ++r) {
+        double steepest = std::abs(narrow.slopes[r]);
+        for (std::size_t k = r; k < block.size(); k += wide.slopes.size())
+          steepest = std::max(steepest, std::abs(block[k]));
+        double doubt = coarseness * (wide.sizes[r] + steepest * largest) / h;
+        agree = agree && agrees(wide.slopes[r], narrow.slopes[r], third.slopes[r], doubt);
+        column.slopes.push_back((4.0 * narrow.slopes[r] - wide.slopes[r]) / 3.0);
+        column.doubts.push_back(doubt);
       }
-      if (attempt > 0) {
-        // A step shorter than usual is not much longer than the rounding of what moves, nor a steep error free of it.
-        if (operations * stepRounding_ > negligible * h) break;
-        column.rounding =
-            std::max({column.rounding, operations * std::max(size, steepest) * stepRounding_ / h, spreads * apart});
-      }
-      // A jump of one or more: its slope over the step. Where the error is as steep as that, differences tell nothing.
-      if (!(size <= 0.5 / h)) continue;
-      if (apart <= agreement * size + rounding_) return column;
-      if (first.slopes.empty()) first = std::move(column);
+      if (agree) return column;
     }
-    return first;
+    return {};
+  }
+
+  /// Whether three slopes of a row are one; their spread adds to its doubt then.
+  static bool agrees(double wide, double narrow, double third, double& doubt) {
+    constexpr double agreement = 1e-3;
+    constexpr double spreads = 4.0;
+    const double apart = std::max(std::abs(narrow - wide), std::abs(narrow - third));
+    if (!(apart <= agreement * std::abs(narrow) + doubt)) return false;
+    doubt += spreads * apart;
+    return true;
+  }
+
+  /// Far from the origin numbers are coarser, and errors as smooth as anywhere.
+  double firstStep(int slot, int direction, int columns) const {
+    constexpr double most = 1e3;
+    const int count = problem_.layout().valueCount(slot);
+    const double* const values = problem_.state().record(slot);
+    double size = 1.0;
+    for (int k = 0; k < count; ++k) {
+      if (count != columns || k == direction) size = std::max(size, std::abs(values[k]));
+    }
+    return step_ * std::min(most, std::cbrt(size));
   }
 
   /// Of all estimates that an edge joins: what is added to which in its error, nobody knows.
@@ -139,9 +165,14 @@ class EdgeDifferences {
     return largest;
   }
 
+  /// Slopes of the rows of an error, and how large the rows were.
+  struct Difference {
+    std::vector<double> slopes;
+    std::vector<double> sizes;
+  };
+
   /// (e(x ⊞ h) − e(x ⊟ h)) / 2h along one direction of one vertex; leaves the state as it was.
-  std::vector<double> difference(std::span<const std::int32_t> edge, int slot, int rows, int columns, int direction,
-                                 double h) {
+  Difference difference(std::span<const std::int32_t> edge, int slot, int rows, int columns, int direction, double h) {
     const VertexType& type = problem_.vertexType(slot);
     const double* x = problem_.state().record(slot);
     std::vector<double> delta(static_cast<std::size_t>(columns), 0.0);
@@ -153,20 +184,15 @@ class EdgeDifferences {
       for (std::size_t r = 0; r < e.size(); ++r) e[r] = buffer_.panel().residual[r * Panel::lanes];
       return e;
     };
-    std::vector<double> forward = error(h);
+    const std::vector<double> forward = error(h);
     const std::vector<double> backward = error(-h);
-    double size = 0.0;
-    const int count = problem_.layout().valueCount(slot);
-    for (int k = 0; k < count; ++k) size = std::max(size, std::abs(x[k]));
-    constexpr double epsilon = std::numeric_limits<double>::epsilon();
-    stepRounding_ = epsilon * largestValue(edge);
+    std::copy_n(x, problem_.layout().valueCount(slot), state_.record(slot));
+    Difference result;
     for (std::size_t r = 0; r < forward.size(); ++r) {
-      size = std::max(size, std::abs(forward[r]));
-      forward[r] = (forward[r] - backward[r]) / (2.0 * h);
+      result.slopes.push_back((forward[r] - backward[r]) / (2.0 * h));
+      result.sizes.push_back(std::max(std::abs(forward[r]), std::abs(backward[r])));
     }
-    std::copy_n(x, count, state_.record(slot));
-    rounding_ = operations * epsilon * size / h;
-    return forward;
+    return result;
   }
 
   const Problem& problem_;
@@ -174,9 +200,8 @@ class EdgeDifferences {
   double step_;
   PanelBuffer buffer_;
   State state_;
-  double rounding_ = 0.0;
-  double stepRounding_ = 0.0;  // of the estimate along the direction
   std::int64_t jumps_ = 0;
+  std::int64_t compared_ = 0;
 };
 
 }  // namespace
@@ -198,6 +223,8 @@ JacobianReport checkJacobians(const Graph& graph, const JacobianCheckOptions& op
       differences.compare(static_cast<std::int32_t>(i * count / compared), comparison.worst);
     }
     comparison.jumps = differences.jumps();
+    if (differences.compared() == 0 && differences.jumps() > 0)
+      comparison.worst.deviation = std::numeric_limits<double>::infinity();
     report.types.push_back(std::move(comparison));
   }
   return report;

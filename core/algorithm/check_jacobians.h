@@ -18,8 +18,8 @@ struct JacobianEntry {
   std::string direction;
   double computed = 0.0;
   double expected = 0.0;
-  /// |computed − expected| less what rounding explains, relative to max(1, largest entry of the block); infinite if one
-  /// of them is not finite.
+  /// |computed − expected| less what rounding and bending explain, relative to the largest entry of its row in the
+  /// block, or to 1e-9 of the block's largest if that is more; infinite if one of them is not finite.
   double deviation = 0.0;
 };
 
@@ -28,7 +28,8 @@ struct JacobianComparison {
   std::string tag;
   EdgeForm form;
   std::int64_t edges = 0;
-  /// Columns that were left out since the error jumps within the step, as an angle does at ±π.
+  /// Columns that were left out since the error jumps within every step, as an angle does at ±π. If all were, the worst
+  /// deviation is infinite.
   std::int64_t jumps = 0;
   JacobianEntry worst;
 };
@@ -45,7 +46,8 @@ struct JacobianReport {
 struct JacobianCheckOptions {
   /// Edges of each type that are compared, spread evenly; 0 means all.
   std::int64_t edgesPerType = 1000;
-  /// Step of the differences in every direction of the tangent. Errors must be smooth within it.
+  /// First step of the differences in every direction of the tangent, times the cube root of the largest number of the
+  /// estimate if that is more than 1; shorter ones follow where the error is not smooth within it.
   double step = 1e-5;
 };
 

@@ -1,27 +1,40 @@
 #include <quiver/core/graph/estimates.h>
 
+#include <utility>
+
+#include <fmt/format.h>
+
 #include <quiver/core/registry/element_types.h>
+#include <quiver/core/util/error.h>
 
 namespace quiver {
 
 SavedEstimates::SavedEstimates(const Graph& graph) {
-  has_.reserve(static_cast<std::size_t>(graph.vertexCount()));
+  vertices_.reserve(static_cast<std::size_t>(graph.vertexCount()));
   graph.forEachVertex([&](const Vertex& vertex) {
     const VertexType& type = graph.typeOf(vertex);
-    const double* values = type.values(vertex);
-    values_.insert(values_.end(), values, values + type.valueCount(vertex));
-    has_.push_back(vertex.hasEstimate() ? 1 : 0);
+    const int count = type.valueCount(vertex);
+    vertices_.push_back({vertex.id(), count, vertex.hasEstimate()});
+    values_.insert(values_.end(), type.values(vertex), type.values(vertex) + count);
   });
 }
 
 void SavedEstimates::restore(Graph& graph) const {
+  const Saved* saved = vertices_.data();
+  const Saved* const end = saved + vertices_.size();
+  std::as_const(graph).forEachVertex([&](const Vertex& vertex) {
+    if (saved == end || saved->id != vertex.id() || saved->count != graph.typeOf(vertex).valueCount(vertex))
+      throw GraphError(fmt::format("vertex {} is not as it was when estimates were saved", vertex.id()));
+    ++saved;
+  });
+  if (saved != end) throw GraphError(fmt::format("vertex {} is gone since estimates were saved", saved->id));
+  saved = vertices_.data();
   const double* values = values_.data();
-  const char* has = has_.data();
   graph.forEachVertex([&](Vertex& vertex) {
-    const VertexType& type = graph.typeOf(vertex);
-    type.setValues(vertex, values);
-    vertex.setHasEstimate(*has++ != 0);
-    values += type.valueCount(vertex);
+    graph.typeOf(vertex).setValues(vertex, values);
+    vertex.setHasEstimate(saved->has);
+    values += saved->count;
+    ++saved;
   });
 }
 
@@ -29,8 +42,12 @@ void copyEstimates(const Graph& from, Graph& to) {
   from.forEachVertex([&](const Vertex& vertex) {
     if (!vertex.hasEstimate()) return;
     Vertex* const target = to.findVertex(vertex.id());
-    if (target != nullptr && target->type() == vertex.type())
-      to.typeOf(*target).setValues(*target, from.typeOf(vertex).values(vertex));
+    const VertexType& type = from.typeOf(vertex);
+    if (target == nullptr || to.typeOf(*target).cppName() != type.cppName()) return;
+    if (to.typeOf(*target).valueCount(*target) != type.valueCount(vertex))
+      throw GraphError(fmt::format("the estimates of vertex {} have {} and {} numbers", vertex.id(),
+                                   type.valueCount(vertex), to.typeOf(*target).valueCount(*target)));
+    to.typeOf(*target).setValues(*target, type.values(vertex));
   });
 }
 

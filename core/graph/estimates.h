@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include <quiver/core/graph/graph.h>
@@ -11,15 +12,22 @@ class SavedEstimates {
  public:
   /// O(vertices).
   explicit SavedEstimates(const Graph& graph);
-  /// Puts them back into the graph they are from, which must have gained and lost no vertex since.
+  /// Puts them back into the graph they are from. Throws GraphError, before anything is changed, if it has gained or
+  /// lost vertices since, or if the estimate of one has another size.
   void restore(Graph& graph) const;
 
  private:
+  struct Saved {
+    std::int64_t id;
+    int count;
+    bool has;
+  };
+  std::vector<Saved> vertices_;
   std::vector<double> values_;
-  std::vector<char> has_;
 };
 
-/// Gives vertices of `to` the estimates that vertices of the same ids and types have in `from`.
+/// Gives vertices of `to` the estimates that vertices of the same ids and classes have in `from`, whatever their
+/// registries. Throws GraphError if the estimates of two are of different run-time sizes.
 void copyEstimates(const Graph& from, Graph& to);
 
 }  // namespace quiver

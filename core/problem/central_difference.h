@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include <quiver/geometry/linear.h>
@@ -32,43 +33,94 @@ inline double firstDifferenceStep(const Estimate& x, int direction) {
   }
 }
 
+/// Slopes of an error by one central difference, and how far they may be off, row by row, relative to themselves: by
+/// bending within the step, and by rounding.
+template <typename Error>
+struct CentralDifference {
+  Error slope;
+  Error bending;
+  Error rounding;
+
+  template <typename ErrorAt>
+  CentralDifference(double step, const Error& error, const ErrorAt& errorAt) : slope(error) {
+    const Error forward = errorAt(step);
+    const Error backward = errorAt(-step);
+    slope = (forward - backward) / (2.0 * step);
+    bending = rounding = slope;
+    for (int r = 0; r < slope.size(); ++r) judge(r, error[r], forward[r], backward[r]);
+  }
+  /// How far row r may be off in all.
+  double doubt(int r) const { return bending[r] + rounding[r]; }
+  bool bends() const { return !((bending.array() <= 1e-8).all()); }
+  bool rounds() const { return !((rounding.array() <= 1e-6).all()); }
+
+ private:
+  /// Along a line of curvature 1/L the second difference is h/2L of the first, and (h/L)²/6 the error of the slope.
+  void judge(int r, double middle, double forward, double backward) {
+    constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    const double rise = std::abs(forward - backward);
+    const double bend = std::abs((forward - middle) - (middle - backward));
+    const double noise = 4.0 * epsilon * (std::abs(forward) + std::abs(backward));
+    bending[r] = rounding[r] = 0.0;
+    if (!std::isfinite(rise) || !std::isfinite(bend)) {
+      bending[r] = std::numeric_limits<double>::infinity();
+    } else if (rise > 0.0 || bend > noise) {
+      const double ratio = bend > 2.0 * noise ? bend / rise : 0.0;
+      bending[r] = ratio * ratio;
+      rounding[r] = noise / std::max(rise, std::numeric_limits<double>::min());
+    }
+  }
+};
+
+/// Takes over the rows of `next` that are less in doubt and agree with `before` (the step tried last); whether any was.
+template <typename Error>
+inline bool takeBetterRows(const CentralDifference<Error>& next, const CentralDifference<Error>& before,
+                           CentralDifference<Error>& best) {
+  constexpr double agreement = 1e-2;
+  constexpr double doubts = 10.0, always = 1e-6;
+  bool any = false;
+  for (int r = 0; r < next.slope.size(); ++r) {
+    // No slope at all is what steps below the rounding of the estimate give.
+    if (next.slope[r] == 0.0 || !(next.doubt(r) < best.doubt(r))) continue;
+    // Roundings that constants of the error hide show themselves here.
+    const double apart = std::min(agreement, doubts * before.doubt(r) + always);
+    if (!(std::abs(next.slope[r] - before.slope[r]) <= apart * std::abs(next.slope[r]))) continue;
+    best.slope[r] = next.slope[r];
+    best.bending[r] = next.bending[r];
+    best.rounding[r] = next.rounding[r];
+    any = true;
+  }
+  return any;
+}
+
 /// Column of a Jacobian by central differences of `errorAt(step)`, `error` being errorAt(0).
 ///
 /// The second difference, which costs nothing, tells whether the error bends within the step, as it does along a
-/// coordinate whose own size is 1e-7 (a distortion in pixels⁻², a rate in nanoseconds⁻¹): it is then as large as the
-/// first difference or larger. If so, shorter steps are tried down to where the error is straight and two steps agree;
-/// if there is no such step (noise, a kink), the first one stays. O(1) more evaluations, at most 18.
+/// coordinate whose own size is 1e-7 (a distortion in pixels⁻², a rate in nanoseconds⁻¹). If it does in any row,
+/// shorter steps are tried; if rounding spoils a row, as along a coordinate of 1e9 that moves the error by little,
+/// longer ones. Every row keeps the slope that is least in doubt; where no two steps agree (noise, a kink) that of the
+/// first step stays. Two evaluations mostly, at most 18.
 template <typename Error, typename ErrorAt, typename Column>
-inline void differentiateColumn(double step, const Error& error, ErrorAt&& errorAt, Column&& column) {
-  constexpr double straight = 1e-4;  // second difference by first, where the truncation error is about its square
-  constexpr double agreement = 1e-2;
-  constexpr double negligible = 1e-5;  // of the column: less may be the rounding of the shorter step
-  constexpr double shorter = 1.0 / 32.0;
-  constexpr int tries = 8;
-  bool isStraight = false;
-  const auto differentiate = [&](double h) {
-    const Error forward = errorAt(h);
-    const Error backward = errorAt(-h);
-    const double rise = (forward - backward).norm();
-    isStraight = std::isfinite(rise) && (forward + backward - 2.0 * error).norm() <= straight * rise;
-    return Error((forward - backward) / (2.0 * h));
-  };
-  const Error first = differentiate(step);
-  column = first;
-  if (isStraight) return;
-  bool before = false;
-  Error longer = first;
-  for (int i = 0; i < tries; ++i) {
-    step *= shorter;
-    const Error next = differentiate(step);
-    const double size = next.norm();
-    if (before && isStraight && (next - longer).norm() <= agreement * size) {
-      if (!((next - first).norm() <= negligible * size)) column = next;
-      return;
+inline void differentiateColumn(double step, const Error& error, const ErrorAt& errorAt, Column&& column) {
+  constexpr double factor = 32.0;
+  constexpr int shorter = 8, longer = 5;
+  const CentralDifference<Error> first(step, error, errorAt);
+  CentralDifference<Error> best = first;
+  CentralDifference<Error> before = first;
+  if (first.bends()) {
+    for (int i = 0; i < shorter && best.bends(); ++i) {
+      const CentralDifference<Error> next(step /= factor, error, errorAt);
+      takeBetterRows(next, before, best);
+      before = next;
     }
-    before = isStraight && size > 0.0;
-    longer = next;
+  } else if (first.rounds()) {
+    for (int i = 0; i < longer && best.rounds(); ++i) {
+      const CentralDifference<Error> next(step *= factor, error, errorAt);
+      if (!takeBetterRows(next, before, best)) break;
+      before = next;
+    }
   }
+  column = best.slope;
 }
 
 }  // namespace quiver::detail

@@ -24,7 +24,7 @@ struct ConformanceOptions {
   /// Random elements of each type.
   int draws = 12;
   std::uint64_t seed = 1;
-  /// Largest deviation of a Jacobian's entry from differences, relative to max(1, largest entry of its block).
+  /// Largest deviation of a Jacobian's entry from differences, as JacobianEntry measures it.
   double jacobianTolerance = 1e-6;
   /// Tags of edges whose Jacobians are approximations on purpose: not compared.
   std::vector<std::string> approximateJacobians;

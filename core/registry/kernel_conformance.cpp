@@ -7,6 +7,9 @@
 
 #include <fmt/format.h>
 
+#include <quiver/core/registry/conformance.h>
+#include <quiver/core/util/error.h>
+
 namespace quiver {
 namespace {
 
@@ -82,6 +85,21 @@ std::string brokenKernelPromise(const RobustKernelType& type) {
     if (!broken.empty()) return broken;
   }
   return "";
+}
+
+void checkKernels(const Registry& registry, const std::vector<std::string>& names, ConformanceReport& report) {
+  for (const std::string& name : names) {
+    const RobustKernelType* kernel = registry.findRobustKernel(name);
+    if (kernel == nullptr) throw GraphError(fmt::format("no robust kernel '{}'", name));
+    ++report.checks;
+    std::string broken;
+    try {
+      broken = brokenKernelPromise(*kernel);
+    } catch (const std::exception& error) {
+      broken = fmt::format("it throws: {}", error.what());
+    }
+    if (!broken.empty()) report.findings.push_back({name, "robust kernel", broken});
+  }
 }
 
 }  // namespace quiver

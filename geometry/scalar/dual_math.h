@@ -117,6 +117,14 @@ inline Dual<T, N> pow(const Dual<T, N>& x, const Dual<T, N>& exponent) {
   return exp(exponent * log(x));
 }
 
+/// A constant to a power.
+template <class T, int N, detail::ConstantOf<T> U>
+inline Dual<T, N> pow(const U& base, const Dual<T, N>& exponent) {
+  using std::log, std::pow;
+  const T p = pow(T(base), exponent.value);
+  return exponent.scaled(p, p * log(T(base)));
+}
+
 template <class T, int N>
 inline Dual<T, N> hypot(const Dual<T, N>& x, const Dual<T, N>& y) {
   using std::hypot;
@@ -127,6 +135,15 @@ inline Dual<T, N> hypot(const Dual<T, N>& x, const Dual<T, N>& y) {
   r.value = length;
   QUIVER_UNROLL for (int i = 0; i < N; ++i) r.gradient[i] = alongX * x.gradient[i] + alongY * y.gradient[i];
   return r;
+}
+
+template <class T, int N, detail::ConstantOf<T> U>
+inline Dual<T, N> hypot(const Dual<T, N>& x, const U& y) {
+  return hypot(x, Dual<T, N>(y));
+}
+template <class T, int N, detail::ConstantOf<T> U>
+inline Dual<T, N> hypot(const U& x, const Dual<T, N>& y) {
+  return hypot(Dual<T, N>(x), y);
 }
 
 template <class T, int N>

@@ -28,11 +28,23 @@ TEST_F(CheckCommand, FindsWhatAPluginBreaks) {
   EXPECT_EQ(result.exitCode, 3);
   const Json json = Json::parse(read("report.json"));
   EXPECT_FALSE(json["passed"]);
-  ASSERT_EQ(json["findings"].size(), 2u) << json;
+  ASSERT_EQ(json["findings"].size(), 3u) << json;
   EXPECT_EQ(json["findings"][0]["name"], "EDGE_ABSCISSA");
   EXPECT_EQ(json["findings"][0]["check"], "jacobians");
-  EXPECT_EQ(json["findings"][1]["name"], "Lopsided");
+  EXPECT_EQ(json["findings"][1]["name"], "EDGE_THROWING");
+  EXPECT_EQ(json["findings"][2]["name"], "Lopsided");
   EXPECT_NE(result.out.find("Lopsided: robust kernel: "), std::string::npos) << result.out;
+}
+
+TEST_F(CheckCommand, WhatAPluginThrowsIsItsOwn) {
+  write("in.g2o", "VERTEX_SE2 0 0 0 0\nEDGE_THROWING 0 1 1\n");
+  const CommandResult standard = run(std::string("optimize in.g2o --plugin ") + broken);
+  EXPECT_EQ(standard.exitCode, 3) << standard.err;
+  EXPECT_NE(standard.err.find("a function of a plugin threw: no error today"), std::string::npos) << standard.err;
+  write("in.g2o", "VERTEX_SE2 0 0 0 0\nEDGE_THROWING 0 -1 1\n");
+  const CommandResult other = run(std::string("info in.g2o --plugin ") + broken);
+  EXPECT_EQ(other.exitCode, 3) << other.err;
+  EXPECT_NE(other.err.find("what is no exception of the standard"), std::string::npos) << other.err;
 }
 
 TEST_F(CheckCommand, ChecksChosenBuiltinTypes) {

@@ -176,5 +176,72 @@ TEST(SmallCoordinates, KinksAndNoiseAreNoSlopes) {
   EXPECT_LT(std::abs(graph.vertex<Pair>(0).estimate()[1]), 1e6);
 }
 
+/// Rows in units of their own: a steep straight one beside one that bends within a millionth.
+template <Jacobians form>
+class EdgeUnits : public BaseEdge<EdgeUnits<form>, 2, Vector<double, 2>, Pair> {
+ public:
+  static constexpr Jacobians jacobians = form;
+  template <typename S>
+  static Vector<S, 2> computeError(const Vector<S, 2>& m, const Vector<S, 2>& x) {
+    using std::sin;
+    return Vector<S, 2>((x[0] - m[0]) * S(1e10), sin(x[0] * S(5e5)) + x[1] * S(1e-9) - m[1]);
+  }
+};
+
+TEST(SmallCoordinates, RowsHaveStepsOfTheirOwn) {
+  const auto solve = [](auto edge) {
+    using Edge = decltype(edge);
+    auto registry = test::makeRegistry();
+    registry->addVertex<Pair>("PAIR");
+    registry->addEdge<Edge>("EDGE");
+    Graph graph(registry);
+    graph.addVertex<Pair>(0, Vector<double, 2>(1e-6, 1.3e9));
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    for (int i = 0; i < 40; ++i) {
+      Matrix<double, 2, 2> information = Vector<double, 2>(1e-4, 1.0).asDiagonal();
+      graph.addEdge<Edge>({0}, Vector<double, 2>(1.5e-6 + 1e-7 * normal(random), 2.2 + 0.01 * normal(random)),
+                          information);
+    }
+    EXPECT_LT(checkJacobians(graph).worstDeviation(), 1e-6) << checkJacobians(graph).describe();
+    const Summary summary = optimize(graph);
+    EXPECT_EQ(summary.status, Status::converged) << summary.reason;
+    return std::pair(summary.finalCost, graph.vertex<Pair>(0).estimate());
+  };
+  const auto [cost, x] = solve(EdgeUnits<Jacobians::automatic>());
+  const auto [numericCost, y] = solve(EdgeUnits<Jacobians::numeric>());
+  EXPECT_NEAR(numericCost, cost, 1e-9 * cost);
+  EXPECT_NEAR(y[0], x[0], 1e-6 * std::abs(x[0]));
+  EXPECT_NEAR(y[1], x[1], 1e-6 * std::abs(x[1]));
+}
+
+/// s (a − m) and s a; the second row's slope has the wrong sign.
+class EdgeScaled : public BaseEdge<EdgeScaled, 2, Vector<double, 2>, Pair> {
+ public:
+  static Vector<double, 2> computeError(const Vector<double, 2>& m, const Vector<double, 2>& x) {
+    return Vector<double, 2>(m[1] * (x[0] - m[0]), x[1]);
+  }
+  static void linearizeOplus(const Vector<double, 2>& m, const Vector<double, 2>& x, Matrix<double, 2, 2>& J) {
+    J << (x[1] < 0.0 ? -m[1] : m[1]), 0.0, 0.0, (x[1] < 0.0 ? 1.0 : -1.0);
+  }
+};
+
+TEST(SmallCoordinates, WrongSignsAreFoundAtEveryScale) {
+  for (const double scale : {1e-9, 1e-7, 1e-3, 1.0, 1e3, 1e6}) {
+    for (const double at : {1e-9, 1e-3, 1.0, 1e4, 1e7, 1e8}) {
+      for (const double second : {-1.0, 1.0}) {  // the first row is wrong, or the second
+        auto registry = test::makeRegistry();
+        registry->addVertex<Pair>("PAIR");
+        registry->addEdge<EdgeScaled>("EDGE");
+        Graph graph(registry);
+        graph.addVertex<Pair>(0, Vector<double, 2>(at, second));
+        graph.addEdge<EdgeScaled>({0}, Vector<double, 2>(at + 0.3, scale), Matrix<double, 2, 2>::Identity());
+        EXPECT_GT(checkJacobians(graph).worstDeviation(), 0.5)
+            << scale << " " << at << " " << second << " " << checkJacobians(graph).describe();
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace quiver

@@ -3,7 +3,7 @@
 namespace quiver {
 namespace {
 
-constexpr int functions = 28;
+constexpr int functions = 31;
 
 /// Every function of the scalar at two arguments, x in (0.1, 0.9), y in (-2, 2).
 template <class S>
@@ -14,7 +14,8 @@ Eigen::Matrix<S, functions, 1> everyFunction(const S& x, const S& y) {
   Eigen::Matrix<S, functions, 1> f;
   f << x + y, x - 2.0 * y, x * y, y / x, 3.0 / x, 1.0 - x / 2.0, sqrt(x), abs(y), sin(y), cos(y), tan(x), atan2(y, x),
       atan(y), asin(x), acos(x), exp(y), log(x) * pow(x, 2.5), min(x, y) + max(S(x * 2.0), y) + select(y < x, y * y, x),
-      hypot(x, y), cbrt(x), sinh(y), cosh(y), tanh(y), expm1(y), log1p(x), log2(x), log10(x), erf(y);
+      hypot(x, y), cbrt(x), sinh(y), cosh(y), tanh(y), expm1(y), log1p(x), log2(x), log10(x), erf(y), hypot(x, 3.0),
+      hypot(2.0, y), pow(2.5, y);
   return f;
 }
 

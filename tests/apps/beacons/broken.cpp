@@ -1,4 +1,6 @@
 // A plugin for the tests: what `quiver check` must find.
+#include <stdexcept>
+
 #include <quiver/quiver.h>
 
 namespace {
@@ -14,6 +16,15 @@ class EdgeAbscissa : public BaseEdge<EdgeAbscissa, 1, double, VertexSE2> {
   static void linearizeOplus(const double&, const SE2<double>&, Matrix<double, 1, 3>& J) { J << 1.0, 0.0, 0.0; }
 };
 
+/// Throws.
+class EdgeThrowing : public BaseEdge<EdgeThrowing, 1, double, VertexSE2> {
+ public:
+  static Vector<double, 1> computeError(const double& x, const SE2<double>&) {
+    if (x > 0.0) throw std::runtime_error("no error today");
+    throw 1;
+  }
+};
+
 /// A kernel whose weight is not its slope.
 const RobustKernelType lopsided{"Lopsided",
                                 [](double e, double, double) {
@@ -23,6 +34,7 @@ const RobustKernelType lopsided{"Lopsided",
 
 void registerBroken(Registry& registry) {
   registry.addEdge<EdgeAbscissa>("EDGE_ABSCISSA");
+  registry.addEdge<EdgeThrowing>("EDGE_THROWING");
   registry.addRobustKernel(lopsided);
 }
 
