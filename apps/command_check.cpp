@@ -141,8 +141,8 @@ void addCheckCommand(CLI::App& parser, int& exitCode) {
       ->check(outputPath());
   command->footer(
       "On made-up elements: Jacobians agree with differences, also near half a turn; x + 0 = x and the tangent's\n"
-      "directions are independent; what is written reads back to the same bits; robust kernels are their derivatives'\n"
-      "integrals. Exit 3 if something is found.\n"
+      "directions are independent; what is written reads back to the same bits; robust kernels have the\n"
+      "derivatives they state. Exit 3 if something is found.\n"
       "Examples:\n  quiver check libbeacons.so\n  quiver check --builtin --types EDGE_SE2 --draws 100");
   command->callback([flags, &exitCode] { exitCode = check(*flags); });
 }
