@@ -64,7 +64,9 @@ double moveCamera(const std::shared_ptr<const Registry>& registry, const MotionC
   const RobustKernel kernel = RobustKernelHuber(huber);
   for (const bench::KnownPoint& known : motion.points) {
     Vector<double, 9> measurement;
-    measurement << known.pixel, motion.intrinsics, known.point;
+    measurement.head<2>() = known.pixel;
+    measurement.segment<4>(2) = motion.intrinsics;
+    measurement.tail<3>() = known.point;
     graph.addEdge<EdgeSE3ProjectXYZOnlyPose>({0}, measurement, information).setRobustKernel(kernel);
   }
   Options options = bench::untilIterations(iterations);

@@ -184,6 +184,11 @@ class BaseEdge : public Edge {
   using VertexTypes = std::tuple<Vertices...>;
   using Parameters = ParameterList<>;
   static constexpr int errorDimension = N;
+  /// Whether `Edge`, derived from this, has no members of its own: all it has is initialised here.
+  template <typename Edge>
+  static constexpr bool addsNothing() {
+    return N != Dynamic && sizeof(Edge) == sizeof(BaseEdge);
+  }
 
   M measurement() const { return measurement_.get(); }
   void setMeasurement(const M& measurement) {

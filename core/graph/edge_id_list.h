@@ -15,14 +15,8 @@ class EdgeIdList {
   static constexpr std::size_t inPlace = 4;
 
   EdgeIdList() = default;
-  EdgeIdList(std::span<const std::int64_t> vertices, std::span<const std::int64_t> parameters)
-      : vertices_(static_cast<std::uint32_t>(vertices.size())),
-        parameters_(static_cast<std::uint32_t>(parameters.size())) {
-    if (onHeap()) words_.heap = new std::int64_t[vertices.size() + parameters.size()];
-    // Loops over so few words cost less than calls that move memory.
-    std::int64_t* out = data();
-    for (const std::int64_t id : vertices) *out++ = id;
-    for (const std::int64_t id : parameters) *out++ = id;
+  EdgeIdList(std::span<const std::int64_t> vertices, std::span<const std::int64_t> parameters) {
+    assign(vertices, parameters);
   }
   EdgeIdList(const EdgeIdList& other) : EdgeIdList(other.vertices(), other.parameters()) {}
   EdgeIdList(EdgeIdList&& other) noexcept { swap(other); }
@@ -37,6 +31,20 @@ class EdgeIdList {
   }
   ~EdgeIdList() {
     if (onHeap()) delete[] words_.heap;
+  }
+
+  /// Replaces what is here; neither span may be of this list.
+  void assign(std::span<const std::int64_t> vertices, std::span<const std::int64_t> parameters) {
+    const std::size_t count = vertices.size() + parameters.size();
+    std::int64_t* const heap = count > inPlace ? new std::int64_t[count] : nullptr;
+    if (onHeap()) delete[] words_.heap;
+    if (heap != nullptr) words_.heap = heap;
+    vertices_ = static_cast<std::uint32_t>(vertices.size());
+    parameters_ = static_cast<std::uint32_t>(parameters.size());
+    // Loops over so few words cost less than calls that move memory.
+    std::int64_t* out = data();
+    for (const std::int64_t id : vertices) *out++ = id;
+    for (const std::int64_t id : parameters) *out++ = id;
   }
 
   std::span<const std::int64_t> vertices() const { return {data(), vertices_}; }

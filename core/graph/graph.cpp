@@ -252,7 +252,7 @@ void Graph::initialize(Vertex& vertex, int type, std::int64_t id) const {
 void Graph::initialize(Edge& edge, int type, std::int64_t slot, std::span<const std::int64_t> vertices,
                        std::span<const std::int64_t> parameters) const {
   edge.change_.join(*changeFlag_);
-  edge.ids_ = EdgeIdList(vertices, parameters);
+  edge.ids_.assign(vertices, parameters);
   edge.changes_ = std::uint64_t{stamp_.removals} << 32;
   edge.slot_ = static_cast<std::int32_t>(slot);
   edge.type_ = static_cast<std::uint16_t>(type);

@@ -147,16 +147,15 @@ class FixedBatch final : public EdgeBatch {
 
   void refresh(const Graph& graph, int threads) override {
     if (changes_.empty()) {
-      // Mostly all edges are like the first; if not, the diagonal alone does not do.
-      diagonal_ = hasDiagonal(information(0));
+      whitening_ = whiteningOf(information(0), Loop::rows);  // mostly all edges are like the first
       changes_.assign(static_cast<std::size_t>(size()), ~std::uint64_t{0});
       layOut();
     }
     constexpr double looking = 6.0, packing = 40.0;  // nanoseconds an edge, about
     const bool first = revision() == 0;
     const Found found = packChanged(graph, worthwhileThreads(threads, (first ? packing : looking) * size()));
-    if (diagonal_ && found.mixed) {
-      diagonal_ = false;
+    if (found.whitening > whitening_) {
+      whitening_ = found.whitening;
       changes_.assign(changes_.size(), ~std::uint64_t{0});
       layOut();
       packChanged(graph, worthwhileThreads(threads, packing * size()));
@@ -168,7 +167,7 @@ class FixedBatch final : public EdgeBatch {
 
  private:
   BatchView view(const State& state) const {
-    return {constants_.data(), numbers_, records_.data(),    size(), state.data(), diagonal_,
+    return {constants_.data(), numbers_, records_.data(),    size(), state.data(), whitening_,
             objects_.data(),   nullptr,  stopOfCostlyEdges()};
   }
   BatchView view(const State& state, const EdgeRows& rows, std::int64_t first) const {
@@ -178,31 +177,20 @@ class FixedBatch final : public EdgeBatch {
     return result;
   }
 
-  /// Whether an upper triangle, row by row, has nothing beside its diagonal.
-  static bool hasDiagonal(std::span<const double> triangle) {
-    for (int r = 0, k = 0; r < Loop::rows; ++r) {
-      ++k;
-      for (int c = r + 1; c < Loop::rows; ++c, ++k) {
-        if (triangle[static_cast<std::size_t>(k)] != 0.0) return false;
-      }
-    }
-    return true;
-  }
-
   std::span<const double> information(int i) const {
     return static_cast<const E&>(edge(i)).informationStore().values();
   }
 
   void layOut() {
-    numbers_ = diagonal_ ? Loop::values + Loop::rows : Loop::constants;
+    numbers_ = Loop::values + whiteningNumbers(whitening_, Loop::rows);
     const std::int64_t padded = (std::int64_t{size()} + Panel::lanes - 1) / Panel::lanes * Panel::lanes;
     if (constants_.size() != padded * numbers_) constants_ = AlignedBuffer(padded * numbers_, false);
   }
 
-  /// Whether any edge had changed, and whether one of those has information that is not diagonal.
+  /// Whether any edge had changed, and the most general whitening of those.
   struct Found {
     bool changed = false;
-    bool mixed = false;
+    Whitening whitening = Whitening::none;
   };
 
   /// Writes the constants of edges that have changed or have parameters.
@@ -219,14 +207,14 @@ class FixedBatch final : public EdgeBatch {
         if (known == now && E::Parameters::size == 0) continue;
         known = now;
         found.changed = true;
-        found.mixed = found.mixed || !hasDiagonal(information(i));
+        found.whitening = std::max(found.whitening, whiteningOf(information(i), Loop::rows));
         pack(graph, i);
       }
     });
     Found all;
     for (const Found& found : found_) {
       all.changed = all.changed || found.changed;
-      all.mixed = all.mixed || found.mixed;
+      all.whitening = std::max(all.whitening, found.whitening);
     }
     return all;
   }
@@ -243,10 +231,10 @@ class FixedBatch final : public EdgeBatch {
       const std::span<const double> values = parameterValues(graph, id);
       next = std::copy(values.begin(), values.end(), next);
     }
-    if (diagonal_) {
+    if (whitening_ == Whitening::diagonal) {
       for (int r = 0, k = 0; r < Loop::rows; k += Loop::rows - r, ++r)
         next[r] = std::sqrt(std::max(information(i)[static_cast<std::size_t>(k)], 0.0));
-    } else {
+    } else if (whitening_ == Whitening::triangular) {
       squareRoot(information(i), Loop::rows, next);
     }
     if (inLanes()) {
@@ -312,7 +300,7 @@ class FixedBatch final : public EdgeBatch {
   std::vector<std::int64_t> records_;
   std::vector<const Edge*> objects_;
   BatchKernels kernels_;
-  bool diagonal_ = false;
+  Whitening whitening_ = Whitening::triangular;
   int numbers_ = 0;
   /// By edge: Edge::changes() when it was packed. By chunk: what was found there.
   std::vector<std::uint64_t> changes_;

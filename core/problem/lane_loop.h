@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <tuple>
 #include <utility>
@@ -160,36 +161,33 @@ struct EdgeLoop<E, std::tuple<V...>, ParameterList<P...>> {
   }
 };
 
-/// column ← U column, U upper triangular, row by row, or its diagonal alone. In place: row r needs rows ≥ r only.
-template <int Rows, typename S, typename Column>
-inline void whiten(const S* U, bool diagonal, Column&& column) {
-  if (diagonal) {
-    for (int r = 0; r < Rows; ++r) column(r) = U[r] * column(r);
-    return;
-  }
-  for (int r = 0, k = 0; r < Rows; k += Rows - r, ++r) {
-    S sum = U[k] * column(r);
-    for (int c = r + 1; c < Rows; ++c) sum += U[k + c - r] * column(c);
-    column(r) = sum;
+/// Whitens the blocks of all roles.
+template <int Rows, typename L, typename Blocks>
+inline void whitenBlocks(const L* U, Whitening whitening, Blocks& J) {
+  if (whitening == Whitening::diagonal) {
+    std::apply([&](auto&... block) { (whitenBlock<Rows, Whitening::diagonal>(U, block), ...); }, J);
+  } else if (whitening == Whitening::triangular) {
+    std::apply([&](auto&... block) { (whitenBlock<Rows, Whitening::triangular>(U, block), ...); }, J);
   }
 }
 
-/// Whitens a block column by column and writes it in lanes.
-template <int Rows, int Columns, typename L, typename Block>
-inline void storeBlock(const L* U, bool diagonal, Block& J, double* out, int group) {
-  for (int c = 0; c < Columns; ++c) {
-    whiten<Rows>(U, diagonal, J.col(c));
-    for (int r = 0; r < Rows; ++r) storeLanes(J(r, c), out + ((group * Columns + c) * Rows + r) * L::width);
+/// Writes a block of eight edges in lanes, column by column.
+template <typename L, typename Block>
+inline void storeBlock(const Block& J, double* out) {
+  constexpr int rows = Block::RowsAtCompileTime;
+  for (int c = 0; c < Block::ColsAtCompileTime; ++c) {
+    for (int r = 0; r < rows; ++r) storeLanes(J(r, c), out + (c * rows + r) * L::width);
   }
 }
 
 /// The first Size numbers of eight records of a state; recordOf(i) is where the i-th begins.
 template <int Size, typename L, typename RecordOf>
 inline void loadStates(const double* state, const RecordOf& recordOf, L* numbers) {
-  std::int64_t differs = 0;
-  for (int i = 1; i < L::width; ++i) differs |= std::int64_t{recordOf(i)} ^ std::int64_t{recordOf(0)};
-  if (differs == 0) {  // all eight join the same vertex, as the observations of one camera do
-    for (int k = 0; k < Size; ++k) numbers[k] = L(state[recordOf(0) + k]);
+  const auto first = recordOf(0);
+  bool same = recordOf(L::width - 1) == first;  // mostly tells already
+  for (int i = 1; same && i < L::width - 1; ++i) same = recordOf(i) == first;
+  if (same) {  // all eight join the same vertex, as the observations of one camera do
+    for (int k = 0; k < Size; ++k) numbers[k] = L(state[first + k]);
     return;
   }
   const double* pointers[L::width];
@@ -197,11 +195,11 @@ inline void loadStates(const double* state, const RecordOf& recordOf, L* numbers
   loadRecords<Size>(pointers, numbers);
 }
 
-/// The estimates of eight edges, role by role: of the `group`-th row if there are rows, else of the ids, which follow
-/// each other in a `run`.
+/// The estimates of eight edges, role by role: of the `group`-th row if there are rows, else of the ids, of which the
+/// first tells if they follow each other in a `run`.
 template <typename E, typename L>
 inline typename EdgeLoop<E>::template Estimates<L> loadEstimates(const BatchView& view, const std::int32_t* ids,
-                                                                 bool run, int group) {
+                                                                 bool run, std::int64_t group) {
   using Loop = EdgeLoop<E>;
   return [&]<int... I>(std::integer_sequence<int, I...>) {
     return typename Loop::template Estimates<L>([&] {
@@ -209,7 +207,7 @@ inline typename EdgeLoop<E>::template Estimates<L> loadEstimates(const BatchView
       constexpr int size = Packing<typename Vertex::Estimate>::size;
       L numbers[size];
       if (view.rows != nullptr) {
-        const std::uint32_t* const records = view.rows + (std::int64_t{group} * Loop::arity + I) * L::width;
+        const std::uint32_t* const records = view.rows + (group * Loop::arity + I) * L::width;
         loadStates<size>(
             view.state, [=](int i) { return records[i]; }, numbers);
       } else if (run) {
@@ -227,60 +225,72 @@ inline typename EdgeLoop<E>::template Estimates<L> loadEstimates(const BatchView
   (std::make_integer_sequence<int, Loop::arity>());
 }
 
+/// The constants of a group of eight edges, which begins at `begin` of the list: where they lie if they lie in lanes,
+/// else gathered into `scattered`. `run`: the edges of the list follow each other.
+template <typename Loop, typename L>
+inline const L* groupConstants(const BatchView& view, const std::int32_t* ids, int begin, bool run, L* scattered) {
+  if (view.rows != nullptr) return asLanes<L>(view.constants + std::int64_t{begin} * view.numbers);
+  if (run) return asLanes<L>(view.constants + std::int64_t{ids[0]} * view.numbers);
+  if (view.whitening == Whitening::none) {
+    gatherConstants<Loop::values>(view.constants, view.numbers, ids, scattered);
+  } else if (view.whitening == Whitening::diagonal) {
+    gatherConstants<Loop::values + Loop::rows>(view.constants, view.numbers, ids, scattered);
+  } else {
+    gatherConstants<Loop::constants>(view.constants, view.numbers, ids, scattered);
+  }
+  return scattered;
+}
+
 /// Eight edges at a time: loads, calls the type's functions with S = Lanes, whitens, writes the panel. Everything is
 /// inlined into the caller, which carries the instruction set.
 template <typename E, typename L, bool analytic, bool withJacobians>
-inline void laneLoop(const BatchView& view, const std::int32_t* edges, int count, const Panel& panel) {
+inline void laneLoop(const BatchView& batch, const std::int32_t* edges, int count, const Panel& panel) {
   using Loop = EdgeLoop<E>;
   constexpr int rows = Loop::rows;
+  // Copies: what is written to the panel cannot change them, so they stay in registers.
+  const BatchView view = batch;
+  const Panel to = panel;
+  double* blocks[Loop::arity] = {};
+  if constexpr (withJacobians) std::copy_n(to.jacobian, Loop::arity, blocks);
+  const bool run = view.rows == nullptr && isRun(edges, count);
   for (int begin = 0; begin < count; begin += L::width) {
-    const int group = begin / L::width;
-    std::int32_t ids[L::width] = {};
-    L scattered[Loop::constants];
-    const bool inRows = view.rows != nullptr;
-    const L* constant = scattered;
-    bool run = false;
-    if (inRows) {
-      constant = asLanes<L>(view.constants + std::int64_t{begin} * view.numbers);
-    } else {
+    const std::int64_t group = begin / L::width;
+    const bool whole = begin + L::width <= count;
+    std::int32_t ids[L::width];
+    if (run && whole) {
+      ids[0] = edges[begin];
+    } else if (view.rows == nullptr) {
       for (int i = 0; i < L::width; ++i) ids[i] = edges[begin + i < count ? begin + i : count - 1];
-      const int present = count - begin < L::width ? count - begin : L::width;
-      const bool inLanes = isRun(ids, present);
-      run = inLanes && present == L::width;
-      if (inLanes) {
-        constant = asLanes<L>(view.constants + std::int64_t{ids[0]} * view.numbers);
-      } else if (view.diagonal) {
-        gatherConstants<Loop::values + rows>(view.constants, view.numbers, ids, scattered);
-      } else {
-        gatherConstants<Loop::constants>(view.constants, view.numbers, ids, scattered);
-      }
     }
-    const L* const U = constant + Loop::values;  // its diagonal alone, or the upper triangle
+    L scattered[Loop::constants];
+    const L* const constant = groupConstants<Loop>(view, ids, begin, run, scattered);
+    const L* const U = constant + Loop::values;
     const auto m = Packing<typename E::Measurement>::template load<L>(constant);
     const auto p = Loop::template parameterValues<L>(constant);
-    const auto x = loadEstimates<E, L>(view, ids, run, group);
-    const E& none = *static_cast<const E*>(view.objects[ids[0]]);
+    const auto x = loadEstimates<E, L>(view, ids, run && whole, group);
+    const E& any = *static_cast<const E*>(view.objects[0]);  // functions that take lanes are static
     Vector<L, rows> error;
     if constexpr (withJacobians) {
       typename Loop::template Blocks<L> J;
       if constexpr (analytic) {
-        error = Loop::template callError<L>(none, m, p, x);
-        Loop::template callJacobian<L>(none, m, p, x, J);
+        error = Loop::template callError<L>(any, m, p, x);
+        Loop::template callJacobian<L>(any, m, p, x, J);
       } else {
-        error = Loop::template linearizeDual<L>(none, m, p, x, J);
+        error = Loop::template linearizeDual<L>(any, m, p, x, J);
       }
+      whitenBlocks<rows>(U, view.whitening, J);
       [&]<int... I>(std::integer_sequence<int, I...>) {
-        (storeBlock<rows, Loop::columns[I]>(U, view.diagonal, std::get<I>(J), panel.jacobian[I], group), ...);
+        (storeBlock<L>(std::get<I>(J), blocks[I] + group * (rows * Loop::columns[I] * L::width)), ...);
       }
       (std::make_integer_sequence<int, Loop::arity>());
     } else {
-      error = Loop::template callError<L>(none, m, p, x);
+      error = Loop::template callError<L>(any, m, p, x);
     }
-    whiten<rows>(U, view.diagonal, error);
+    whiten<rows>(U, view.whitening, error);
     L square = error(0) * error(0);
     for (int r = 1; r < rows; ++r) square += error(r) * error(r);
-    for (int r = 0; r < rows; ++r) storeLanes(error(r), panel.residual + (group * rows + r) * L::width);
-    storeLanes(square, panel.squaredError + group * L::width);
+    for (int r = 0; r < rows; ++r) storeLanes(error(r), to.residual + (group * rows + r) * L::width);
+    storeLanes(square, to.squaredError + group * L::width);
   }
 }
 

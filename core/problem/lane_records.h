@@ -85,13 +85,35 @@ QUIVER_TARGET_AVX2 inline void loadLanes(const double* in, Lanes<isa::Avx2>& val
       r[6] = __builtin_shuffle(b2, b6, high4), r[7] = __builtin_shuffle(b3, b7, high4);          \
     }
 
+/// Transposes eight records of four numbers, the i-th and the one four behind it in r[i]: eight shuffles.
+#  define QUIVER_TRANSPOSE4(r)                                                                   \
+    {                                                                                            \
+      const Index8 low = {0, 8, 2, 10, 4, 12, 6, 14}, high = {1, 9, 3, 11, 5, 13, 7, 15};        \
+      const Index8 low2 = {0, 1, 8, 9, 4, 5, 12, 13}, high2 = {2, 3, 10, 11, 6, 7, 14, 15};      \
+      Native8 a0 = __builtin_shuffle(r[0], r[1], low), a1 = __builtin_shuffle(r[0], r[1], high); \
+      Native8 a2 = __builtin_shuffle(r[2], r[3], low), a3 = __builtin_shuffle(r[2], r[3], high); \
+      r[0] = __builtin_shuffle(a0, a2, low2), r[1] = __builtin_shuffle(a1, a3, low2);            \
+      r[2] = __builtin_shuffle(a0, a2, high2), r[3] = __builtin_shuffle(a1, a3, high2);          \
+    }
+
 template <int Size>
 QUIVER_TARGET_AVX512 inline void loadRecords(const double* const* pointers, Lanes<isa::Avx512>* out) {
-  for (int k = 0; k < Size; k += 8) {
+  constexpr int whole = Size % 8 > 4 ? (Size + 7) / 8 * 8 : Size / 8 * 8;
+  for (int k = 0; k < whole; k += 8) {
     Native8 r[8];
     for (int i = 0; i < 8; ++i) r[i] = *reinterpret_cast<const Native8*>(pointers[i] + k);
     QUIVER_TRANSPOSE8(r)
     for (int i = 0; i < 8 && k + i < Size; ++i) *reinterpret_cast<Native8*>(out[k + i].v) = r[i];
+  }
+  if constexpr (whole < Size) {
+    Native8 r[4];
+    for (int i = 0; i < 4; ++i) {
+      r[i] =
+          __builtin_shufflevector(*reinterpret_cast<const Native4*>(pointers[i] + whole),
+                                  *reinterpret_cast<const Native4*>(pointers[i + 4] + whole), 0, 1, 2, 3, 4, 5, 6, 7);
+    }
+    QUIVER_TRANSPOSE4(r)
+    for (int i = 0; i < 4 && whole + i < Size; ++i) *reinterpret_cast<Native8*>(out[whole + i].v) = r[i];
   }
 }
 
@@ -150,11 +172,11 @@ inline const L* asLanes(const double* in) {
   return reinterpret_cast<const L*>(in);
 }
 
-/// Whether `count` ≤ 8 edges are an aligned run, so that their constants lie as lanes do.
+/// Whether edges follow each other from a multiple of eight on, so that their constants lie as lanes do.
 inline bool isRun(const std::int32_t* ids, int count) {
-  bool run = ids[0] % 8 == 0;
-  for (int i = 1; i < count; ++i) run = run && ids[i] == ids[0] + i;
-  return run;
+  std::int32_t differs = count > 0 ? ids[0] % 8 : 0;
+  for (int i = 1; i < count; ++i) differs |= ids[i] ^ (ids[0] + i);
+  return differs == 0;
 }
 
 /// The first Size of the `numbers` constants of eight edges, as lanes.

@@ -24,12 +24,6 @@ inline auto columnProduct(const X& x, const Y& y) {
   (std::make_integer_sequence<int, X::RowsAtCompileTime>());
 }
 
-/// Whitens a block: rows of U times J.
-template <int Rows, bool diagonal, typename L, typename Block>
-inline void whitenBlock(const L* U, Block& J) {
-  for (int c = 0; c < Block::ColsAtCompileTime; ++c) whiten<Rows>(U, diagonal, J.col(c));
-}
-
 /// The upper triangle of JᵀJ, row by row, then Jᵀr, added to eight records: eight numbers at a time, which stay in
 /// registers until they are turned.
 template <typename L, typename Block, typename Error>
@@ -118,13 +112,8 @@ inline void productLoop(const BatchView& view, int first, int count, const Produ
         prefetchBlocks(targets.blocks[0] + at + L::width, Loop::columns[0] * Loop::columns[1]);
     }
     const L* const U = constant + values;
-    if (view.diagonal) {
-      std::apply([&](auto&... block) { (whitenBlock<rows, true>(U, block), ...); }, J);
-      whiten<rows>(U, true, error);
-    } else {
-      std::apply([&](auto&... block) { (whitenBlock<rows, false>(U, block), ...); }, J);
-      whiten<rows>(U, false, error);
-    }
+    whitenBlocks<rows>(U, view.whitening, J);
+    whiten<rows>(U, view.whitening, error);
     L square = error(0) * error(0);
     for (int r = 1; r < rows; ++r) square += error(r) * error(r);
     storeLanes(square, squaredError + begin);

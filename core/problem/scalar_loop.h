@@ -27,9 +27,9 @@ inline void differentiate(const E& edge, const typename Loop::Functions::templat
 
 /// Whitens a block column by column and writes it to its lane.
 template <int Rows, int Columns, typename Block>
-inline void storeScalarBlock(const double* U, bool diagonal, Block& J, double* out, int group, int lane) {
+inline void storeScalarBlock(const double* U, Whitening whitening, Block& J, double* out, int group, int lane) {
   for (int c = 0; c < Columns; ++c) {
-    whiten<Rows>(U, diagonal, J.col(c));
+    whiten<Rows>(U, whitening, J.col(c));
     for (int r = 0; r < Rows; ++r) out[((group * Columns + c) * Rows + r) * Panel::lanes + lane] = J(r, c);
   }
 }
@@ -84,14 +84,14 @@ inline void scalarLoop(const BatchView& view, const std::int32_t* edges, int cou
         }
       }
       [&]<int... I>(std::integer_sequence<int, I...>) {
-        (storeScalarBlock<rows, Loop::columns[I]>(U, view.diagonal, std::get<I>(J), panel.jacobian[I], group, lane),
+        (storeScalarBlock<rows, Loop::columns[I]>(U, view.whitening, std::get<I>(J), panel.jacobian[I], group, lane),
          ...);
       }
       (std::make_integer_sequence<int, Loop::arity>());
     } else {
       error = Loop::template callError<double>(edge, m, p, x);
     }
-    whiten<rows>(U, view.diagonal, error);
+    whiten<rows>(U, view.whitening, error);
     double square = 0.0;
     for (int r = 0; r < rows; ++r) {
       square += error(r) * error(r);

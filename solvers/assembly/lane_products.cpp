@@ -1,239 +1,9 @@
 #include <quiver/solvers/assembly/lane_products.h>
 
-#include <utility>
-
-#include <quiver/core/problem/lane_records.h>
-#include <quiver/geometry/scalar/lanes.h>
+#include <quiver/solvers/assembly/lane_kernels.h>
 
 namespace quiver {
 namespace {
-
-using detail::addRecords;
-using detail::loadLanes;
-using detail::storeLanes;
-using detail::storeRecords;
-
-constexpr int width = 8;
-
-/// record[k] += Σ over lanes of in[k], k < Size, a multiple of eight.
-template <int Size, typename L>
-inline void addSums(const L* in, double* record) {
-  for (int k = 0; k < Size; ++k) {
-    double sum = in[k].v[0];
-    for (int i = 1; i < width; ++i) sum += in[k].v[i];
-    record[k] += sum;
-  }
-}
-
-#if QUIVER_NATIVE_LANES
-/// Eight sums at a time, by halving: 14 shuffles.
-template <int Size>
-QUIVER_TARGET_AVX512 inline void addSums(const Lanes<isa::Avx512>* in, double* record) {
-  using detail::Index8;
-  using detail::Native8;
-  const Index8 even = {0, 8, 2, 10, 4, 12, 6, 14}, odd = {1, 9, 3, 11, 5, 13, 7, 15};
-  const Index8 even2 = {0, 1, 8, 9, 4, 5, 12, 13}, odd2 = {2, 3, 10, 11, 6, 7, 14, 15};
-  const Index8 low = {0, 1, 2, 3, 8, 9, 10, 11}, high = {4, 5, 6, 7, 12, 13, 14, 15};
-  for (int k = 0; k < Size; k += width) {
-    Native8 r[width];
-    for (int i = 0; i < width; ++i) r[i] = *reinterpret_cast<const Native8*>(in[k + i].v);
-    Native8 two[4];
-    for (int i = 0; i < 4; ++i)
-      two[i] = __builtin_shuffle(r[2 * i], r[2 * i + 1], even) + __builtin_shuffle(r[2 * i], r[2 * i + 1], odd);
-    Native8 four[2];
-    for (int i = 0; i < 2; ++i)
-      four[i] =
-          __builtin_shuffle(two[2 * i], two[2 * i + 1], even2) + __builtin_shuffle(two[2 * i], two[2 * i + 1], odd2);
-    *reinterpret_cast<Native8*>(record + k) +=
-        __builtin_shuffle(four[0], four[1], low) + __builtin_shuffle(four[0], four[1], high);
-  }
-}
-#endif
-
-/// Σ over k of x[k] y[k], columns of `rows` lane vectors.
-template <typename L>
-inline L dot(const double* x, const double* y, int rows) {
-  L u;
-  L v;
-  loadLanes(x, u);
-  loadLanes(y, v);
-  L sum = u * v;
-  for (int k = 1; k < rows; ++k) {
-    loadLanes(x + k * width, u);
-    loadLanes(y + k * width, v);
-    sum += u * v;
-  }
-  return sum;
-}
-
-/// Entry At of JᵀJ and Jᵀr of eight edges; zero behind the last.
-template <typename L, int N, int D, int At>
-inline L squareEntry(const double* J, const double* residual) {
-  constexpr detail::TriangleEntry entry = detail::triangleEntry<D>(At);
-  if constexpr (entry.row == D) return L(0.0);
-  const double* const x = J + entry.row * N * width;
-  const double* const y = entry.column < D ? J + entry.column * N * width : residual;
-  return dot<L>(x, y, N);
-}
-
-/// Sizes as constants: eight numbers of eight edges at a time stay in registers until they are turned into records.
-template <typename L, int N, int D>
-inline void squareFixed(const double* J, const double* residual, double* const* out) {
-  constexpr int numbers = LaneProducts::paddedSize(D);
-  // Eight observations of one camera would each wait for the sum of the one before.
-  bool one = true;
-  for (int i = 1; i < width; ++i) one = one && out[i] == out[0];
-  const auto addEight = [&]<int First, int... I>(std::integral_constant<int, First>, std::integer_sequence<int, I...>) {
-    const L part[width] = {squareEntry<L, N, D, First + I>(J, residual)...};
-    if (one) {
-      addSums<width>(part, out[0] + First);
-      return;
-    }
-    double* records[width];
-    for (int i = 0; i < width; ++i) records[i] = out[i] + First;
-    addRecords<width>(part, records);
-  };
-  [&]<int... Chunk>(std::integer_sequence<int, Chunk...>) {
-    (addEight(std::integral_constant<int, Chunk * width>(), std::make_integer_sequence<int, width>()), ...);
-  }
-  (std::make_integer_sequence<int, numbers / width>());
-  if constexpr (numbers % width == 1) {
-    const L last = squareEntry<L, N, D, numbers - 1>(J, residual);
-    if (one) {
-      out[0][numbers - 1] +=
-          ((last.v[0] + last.v[1]) + (last.v[2] + last.v[3])) + ((last.v[4] + last.v[5]) + (last.v[6] + last.v[7]));
-    } else {
-      for (int i = 0; i < width; ++i) out[i][numbers - 1] += last.v[i];
-    }
-  }
-}
-
-/// AᵀB of eight edges column by column, or row by row, eight numbers at a time.
-template <typename L, int N, int Da, int Db, bool transposed>
-inline void crossOneWay(const double* A, const double* B, double* const* out) {
-  const auto storeSome = [&]<int First, int... I>(std::integral_constant<int, First>,
-                                                  std::integer_sequence<int, I...>) {
-    constexpr int inner = transposed ? Db : Da;
-    const L part[sizeof...(I)] = {dot<L>(A + (transposed ? (First + I) / inner : (First + I) % inner) * N * width,
-                                         B + (transposed ? (First + I) % inner : (First + I) / inner) * N * width,
-                                         N)...};
-    double* records[width];
-    for (int i = 0; i < width; ++i) records[i] = out[i] + First;
-    storeRecords<static_cast<int>(sizeof...(I))>(part, records);
-  };
-  constexpr int whole = Da * Db / width;
-  [&]<int... Chunk>(std::integer_sequence<int, Chunk...>) {
-    (storeSome(std::integral_constant<int, Chunk * width>(), std::make_integer_sequence<int, width>()), ...);
-  }
-  (std::make_integer_sequence<int, whole>());
-  if constexpr (Da * Db % width != 0)
-    storeSome(std::integral_constant<int, whole * width>(), std::make_integer_sequence<int, Da * Db % width>());
-}
-
-/// AᵀB of eight edges, transposed in the lanes that ask for it.
-template <typename L, int N, int Da, int Db>
-inline void crossFixed(const double* A, const double* B, const std::int64_t* flip, double* const* out) {
-  int flipped = 0;
-  for (int i = 0; i < width; ++i) flipped += flip[i] != 0 ? 1 : 0;
-  if (flipped == 0) return crossOneWay<L, N, Da, Db, false>(A, B, out);
-  if (flipped == width) return crossOneWay<L, N, Da, Db, true>(A, B, out);
-  alignas(64) double scrap[(Da * Db + width - 1) / width * width];
-  double* some[width];
-  for (int i = 0; i < width; ++i) some[i] = flip[i] != 0 ? scrap : out[i];
-  crossOneWay<L, N, Da, Db, false>(A, B, some);
-  for (int i = 0; i < width; ++i) some[i] = flip[i] != 0 ? out[i] : scrap;
-  crossOneWay<L, N, Da, Db, true>(A, B, some);
-}
-
-template <typename L>
-inline void addLanes(const L& value, double* out) {
-  L sum;
-  loadLanes(out, sum);
-  storeLanes(sum + value, out);
-}
-
-template <typename L>
-inline void squareAny(const double* J, const double* residual, int rows, int columns, double* const* out) {
-  int at = 0;
-  for (int a = 0; a < columns; ++a) {
-    for (int b = a; b < columns; ++b, ++at) {
-      const L sum = dot<L>(J + a * rows * width, J + b * rows * width, rows);
-      for (int i = 0; i < width; ++i) out[i][at] += sum.v[i];
-    }
-  }
-  for (int a = 0; a < columns; ++a, ++at) {
-    const L sum = dot<L>(J + a * rows * width, residual, rows);
-    for (int i = 0; i < width; ++i) out[i][at] += sum.v[i];
-  }
-}
-
-template <typename L>
-inline void crossAny(const double* A, const double* B, int rows, int columnsA, int columnsB, const std::int64_t* flip,
-                     double* const* out) {
-  for (int b = 0; b < columnsB; ++b) {
-    for (int a = 0; a < columnsA; ++a) {
-      const L sum = dot<L>(A + a * rows * width, B + b * rows * width, rows);
-      for (int i = 0; i < width; ++i) out[i][flip[i] != 0 ? a * columnsB + b : b * columnsA + a] = sum.v[i];
-    }
-  }
-}
-
-template <typename L>
-inline L weightOf(const double* weights) {
-  L weight;
-  loadLanes(weights, weight);
-  return max(weight, L(0.0));
-}
-
-/// Rows [A, End) of w JᵀJ and their part of w Jᵀr, summed over all groups in registers.
-template <typename L, int N, int D, int A, int End>
-inline void sumRows(const double* J, const double* residual, const double* weights, int groups, double* sums) {
-  constexpr int first = A * D - A * (A - 1) / 2;
-  constexpr int count = End * D - End * (End - 1) / 2 - first;
-  L products[count];
-  L gradient[End - A];
-  for (int k = 0; k < count; ++k) products[k] = L(0.0);
-  for (int k = 0; k < End - A; ++k) gradient[k] = L(0.0);
-  for (int g = 0; g < groups; ++g, J += N * D * width, residual += N * width, weights += width) {
-    const L weight = weightOf<L>(weights);
-    for (int r = 0; r < N; ++r) {
-      L column[D - A];
-      L error;
-      for (int c = A; c < D; ++c) loadLanes(J + (c * N + r) * width, column[c - A]);
-      loadLanes(residual + r * width, error);
-      for (int a = A, at = 0; a < End; ++a) {
-        const L weighed = weight * column[a - A];
-        for (int b = a; b < D; ++b, ++at) products[at] += weighed * column[b - A];
-        gradient[a - A] += weighed * error;
-      }
-    }
-  }
-  for (int k = 0; k < count; ++k) addLanes(products[k], sums + (first + k) * width);
-  for (int k = 0; k < End - A; ++k) addLanes(gradient[k], sums + (D * (D + 1) / 2 + A + k) * width);
-}
-
-/// Sizes as constants, as many rows at a time as registers hold.
-template <typename L, int N, int D>
-inline void sumFixed(const double* J, const double* residual, const double* weights, int groups, double* sums) {
-  constexpr int half = D <= 3 ? D : D / 2;
-  sumRows<L, N, D, 0, half>(J, residual, weights, groups, sums);
-  if constexpr (half < D) sumRows<L, N, D, half, D>(J, residual, weights, groups, sums);
-}
-
-template <typename L>
-inline void sumAny(const double* J, const double* residual, const double* weights, int rows, int columns, int groups,
-                   double* sums) {
-  for (int g = 0; g < groups; ++g, J += rows * columns * width, residual += rows * width, weights += width) {
-    const L weight = weightOf<L>(weights);
-    int at = 0;
-    for (int a = 0; a < columns; ++a) {
-      for (int b = a; b < columns; ++b, ++at)
-        addLanes(weight * dot<L>(J + a * rows * width, J + b * rows * width, rows), sums + at * width);
-    }
-    for (int a = 0; a < columns; ++a, ++at)
-      addLanes(weight * dot<L>(J + a * rows * width, residual, rows), sums + at * width);
-  }
-}
 
 /// The kernels of one instruction set. ATTRIBUTE makes each a batch loop of the set.
 #define QUIVER_LANE_PRODUCTS(NAME, ISA, ATTRIBUTE)                                                                  \
@@ -241,29 +11,30 @@ inline void sumAny(const double* J, const double* residual, const double* weight
     using L = Lanes<ISA>;                                                                                           \
     template <int N, int D>                                                                                         \
     ATTRIBUTE static void square(const double* J, const double* residual, int, int, double* const* out) {           \
-      squareFixed<L, N, D>(J, residual, out);                                                                       \
+      detail::squareFixed<L, N, D>(J, residual, out);                                                               \
     }                                                                                                               \
-    template <int N, int Da, int Db>                                                                                \
+    template <int N, int Da, int Db, bool add>                                                                      \
     ATTRIBUTE static void cross(const double* A, const double* B, int, int, int, const std::int64_t* flip,          \
                                 double* const* out) {                                                               \
-      crossFixed<L, N, Da, Db>(A, B, flip, out);                                                                    \
+      detail::crossFixed<L, N, Da, Db, add>(A, B, flip, out);                                                       \
     }                                                                                                               \
     ATTRIBUTE static void squareLoop(const double* J, const double* residual, int rows, int columns,                \
                                      double* const* out) {                                                          \
-      squareAny<L>(J, residual, rows, columns, out);                                                                \
+      detail::squareAny<L>(J, residual, rows, columns, out);                                                        \
     }                                                                                                               \
+    template <bool add>                                                                                             \
     ATTRIBUTE static void crossLoop(const double* A, const double* B, int rows, int columnsA, int columnsB,         \
                                     const std::int64_t* flip, double* const* out) {                                 \
-      crossAny<L>(A, B, rows, columnsA, columnsB, flip, out);                                                       \
+      detail::crossAny<L, add>(A, B, rows, columnsA, columnsB, flip, out);                                          \
     }                                                                                                               \
     template <int N, int D>                                                                                         \
     ATTRIBUTE static void sum(const double* J, const double* residual, const double* weights, int, int, int groups, \
                               double* sums) {                                                                       \
-      sumFixed<L, N, D>(J, residual, weights, groups, sums);                                                        \
+      detail::sumFixed<L, N, D>(J, residual, weights, groups, sums);                                                \
     }                                                                                                               \
     ATTRIBUTE static void sumLoop(const double* J, const double* residual, const double* weights, int rows,         \
                                   int columns, int groups, double* sums) {                                          \
-      sumAny<L>(J, residual, weights, rows, columns, groups, sums);                                                 \
+      detail::sumAny<L>(J, residual, weights, rows, columns, groups, sums);                                         \
     }                                                                                                               \
   };
 QUIVER_LANE_PRODUCTS(Avx512Products, isa::Avx512, QUIVER_BATCH_LOOP_AVX512)
@@ -305,28 +76,28 @@ LaneProducts::Square pickSquare(int rows, int columns) {
   }
 }
 
-template <typename Set>
+template <typename Set, bool add>
 LaneProducts::Cross pickCross(int rows, int columnsA, int columnsB) {
   const int size = rows * 10000 + columnsA * 100 + columnsB;
   switch (size) {
     case 10302:
-      return Set::template cross<1, 3, 2>;
+      return Set::template cross<1, 3, 2, add>;
     case 20302:
-      return Set::template cross<2, 3, 2>;
+      return Set::template cross<2, 3, 2, add>;
     case 20604:
-      return Set::template cross<2, 6, 4>;
+      return Set::template cross<2, 6, 4, add>;
     case 20608:
-      return Set::template cross<2, 6, 8>;
+      return Set::template cross<2, 6, 8, add>;
     case 20609:
-      return Set::template cross<2, 6, 9>;
+      return Set::template cross<2, 6, 9, add>;
     case 30303:
-      return Set::template cross<3, 3, 3>;
+      return Set::template cross<3, 3, 3, add>;
     case 30603:
-      return Set::template cross<3, 6, 3>;
+      return Set::template cross<3, 6, 3, add>;
     case 60606:
-      return Set::template cross<6, 6, 6>;
+      return Set::template cross<6, 6, 6, add>;
     default:
-      return Set::crossLoop;
+      return Set::template crossLoop<add>;
   }
 }
 
@@ -351,6 +122,15 @@ LaneProducts::Sum pickSum(int rows, int columns) {
   }
 }
 
+template <bool add>
+LaneProducts::Cross pickCrossOf(InstructionSet set, int rows, int columnsA, int columnsB) {
+  if constexpr (QUIVER_EVERY_INSTRUCTION_SET) {
+    if (set == InstructionSet::avx512) return pickCross<Avx512Products, add>(rows, columnsA, columnsB);
+  }
+  if (set != InstructionSet::generic) return pickCross<Avx2Products, add>(rows, columnsA, columnsB);
+  return pickCross<GenericProducts, add>(rows, columnsA, columnsB);
+}
+
 }  // namespace
 
 LaneProducts::Square LaneProducts::square(InstructionSet set, int rows, int columns) {
@@ -362,11 +142,11 @@ LaneProducts::Square LaneProducts::square(InstructionSet set, int rows, int colu
 }
 
 LaneProducts::Cross LaneProducts::cross(InstructionSet set, int rows, int columnsA, int columnsB) {
-  if constexpr (QUIVER_EVERY_INSTRUCTION_SET) {
-    if (set == InstructionSet::avx512) return pickCross<Avx512Products>(rows, columnsA, columnsB);
-  }
-  if (set != InstructionSet::generic) return pickCross<Avx2Products>(rows, columnsA, columnsB);
-  return pickCross<GenericProducts>(rows, columnsA, columnsB);
+  return pickCrossOf<false>(set, rows, columnsA, columnsB);
+}
+
+LaneProducts::Cross LaneProducts::addedCross(InstructionSet set, int rows, int columnsA, int columnsB) {
+  return pickCrossOf<true>(set, rows, columnsA, columnsB);
 }
 
 LaneProducts::Sum LaneProducts::sum(InstructionSet set, int rows, int columns) {

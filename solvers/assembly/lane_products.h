@@ -30,6 +30,9 @@ class LaneProducts {
   /// Kernels for a size on an instruction set that the machine has.
   static Square square(InstructionSet set, int rows, int columns);
   static Cross cross(InstructionSet set, int rows, int columnsA, int columnsB);
+  /// Adds instead of writing, to blocks whose numbers are rounded up to eights. Several edges may share one, as in
+  /// `Square`.
+  static Cross addedCross(InstructionSet set, int rows, int columnsA, int columnsB);
   static Sum sum(InstructionSet set, int rows, int columns);
 
   /// Numbers that `Square` packs for one edge.

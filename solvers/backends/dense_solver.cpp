@@ -76,15 +76,26 @@ class DenseSolver final : public LinearSolver {
     parallelFor(layout.blocks(), size_ < smallestShared ? 1 : threads_, [&](std::int64_t c) {
       const auto column = static_cast<int>(c);
       double* const first = factor_.data() + layout.offset(column) * stride_;
-      std::fill(first, first + layout.dimension(column) * stride_, 0.0);
+      const int columns = layout.dimension(column);
+      const auto clear = [&](std::int64_t begin, std::int64_t end) {
+        for (int i = 0; begin < end && i < columns; ++i)
+          std::fill(first + i * stride_ + begin, first + i * stride_ + end, 0.0);
+      };
+      // Kernels begin at the first row of a chunk. Above that nothing is read.
+      std::int64_t done = layout.offset(column) / detail::chunkColumns * detail::chunkColumns;
       for (std::int64_t k = pattern_->columnBegin(column); k < pattern_->columnEnd(column); ++k) {
         const int row = pattern_->row(k);
         const int rows = layout.dimension(row);
+        clear(done, layout.offset(row));
+        done = layout.offset(row) + rows;
         const double* from = matrix.block(k);
-        double* to = factor_.data() + layout.offset(column) * stride_ + layout.offset(row);
-        for (int i = 0; i < layout.dimension(column); ++i, from += rows, to += stride_)
-          std::copy(from, from + rows, to);
+        double* to = first + layout.offset(row);
+        // A call for each of so few numbers would cost more than moving them.
+        for (int i = 0; i < columns; ++i, from += rows, to += stride_) {
+          for (int r = 0; r < rows; ++r) to[r] = from[r];
+        }
       }
+      clear(done, rows_);
     });
     for (std::size_t i = 0; i < damping.size(); ++i)
       factor_[static_cast<std::int64_t>(i) * (stride_ + 1)] += damping[i];

@@ -24,7 +24,6 @@ PointAssembler::PointAssembler(const Problem& problem, const EliminationPlan& pl
   const detail::EliminationKernels& set = detail::eliminationKernels();
   const InstructionSet instructions = detectInstructionSet();
   std::int64_t largestRecord = 8;
-  std::int64_t largestBlock = 8;
   for (const RowKind& kind : plan.kinds()) {
     KindKernels kernels{};
     const int n = kind.shape.rows;
@@ -33,8 +32,8 @@ PointAssembler::PointAssembler(const Problem& problem, const EliminationPlan& pl
       kernels.squares.push_back(LaneProducts::square(instructions, n, kind.dimension(b)));
       largestRecord = std::max<std::int64_t>(largestRecord, LaneProducts::paddedSize(kind.dimension(b)));
       for (int a = 0; a < b; ++a) {
-        kernels.crosses.push_back(LaneProducts::cross(instructions, n, kind.dimension(a), kind.dimension(b)));
-        largestBlock = std::max<std::int64_t>(largestBlock, ceil8(kind.dimension(a) * kind.dimension(b)));
+        kernels.crosses.push_back(LaneProducts::addedCross(instructions, n, kind.dimension(a), kind.dimension(b)));
+        largestRecord = std::max<std::int64_t>(largestRecord, ceil8(kind.dimension(a) * kind.dimension(b)));
       }
     }
     kernels_.push_back(std::move(kernels));
@@ -51,7 +50,6 @@ PointAssembler::PointAssembler(const Problem& problem, const EliminationPlan& pl
   for (Workspace& work : workspaces_) {
     work.rows = linearizer.makeWorkspace();
     work.nowhere = AlignedBuffer(largestRecord);
-    work.blocks = AlignedBuffer(largestBlock * lanes);
   }
 }
 
@@ -229,22 +227,16 @@ void PointAssembler::addPairs(std::size_t p, const EliminationPlan::Row& row, co
   std::size_t at = 0;
   for (int b = 1; b < static_cast<int>(kind.keptRoles.size()); ++b) {
     for (int a = 0; a < b; ++a, ++at, pairs += lanes) {
-      const int numbers = kind.dimension(a) * kind.dimension(b);
       double* out[lanes];
       std::int64_t flip[lanes];
       for (int lane = 0; lane < lanes; ++lane) {
-        out[lane] = work.blocks.data() + lane * ceil8(numbers);
+        out[lane] = pairs[lane] < 0 ? work.nowhere.data() : memory + records[pairs[lane] / 2];
         flip[lane] = pairs[lane] >= 0 && pairs[lane] % 2 != 0 ? -1 : 0;
       }
       kernels.crosses[at](
           panel.jacobian[kind.keptRoles[static_cast<std::size_t>(a)]] + panelRow * n * kind.dimension(a) * lanes,
           panel.jacobian[kind.keptRoles[static_cast<std::size_t>(b)]] + panelRow * n * kind.dimension(b) * lanes, n,
           kind.dimension(a), kind.dimension(b), flip, out);
-      for (int lane = 0; lane < lanes; ++lane) {
-        if (pairs[lane] < 0) continue;
-        double* target = memory + records[pairs[lane] / 2];
-        for (int k = 0; k < numbers; ++k) target[k] += out[lane][k];
-      }
     }
   }
 }

@@ -59,7 +59,6 @@ class PointAssembler {
   struct Workspace {
     RowLinearizer::Workspace rows;
     AlignedBuffer nowhere;
-    AlignedBuffer blocks;
   };
 
   void cutPieces();

@@ -83,6 +83,7 @@ class PointEliminator {
   Workspace makeWorkspace() const;
   unsigned factorGroup(int group, std::span<const double> damping, double* damped, double* factor) const;
   const double* factorOf(int group) const;
+  void prefetchGroup(int group) const;
   void startReduced(BlockMatrix& matrix, std::span<double> right);
   void reduceTile(const State& state, int tile, int slabIndex, BlockMatrix& matrix, std::span<double> right);
   void writeRecords(const State& state, int group, int limit, Slab& slab, Workspace& work);

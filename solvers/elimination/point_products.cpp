@@ -37,9 +37,20 @@ void PointEliminator::substitute(const State& state, std::span<double> delta) {
     const auto begin = p == 0 ? 0 : groupAt(p * rows / parts);
     Workspace& work = workspaces_[static_cast<std::size_t>(p)];
     work.rows.end = 0;
-    for (std::ptrdiff_t g = begin; g < end; ++g)
+    for (std::ptrdiff_t g = begin; g < end; ++g) {
+      if (g + 1 < end) prefetchGroup(static_cast<int>(g + 1));
       substituteGroup(state, static_cast<int>(g), groups[static_cast<std::size_t>(end - 1)].rowEnd, delta, work);
+    }
   });
+}
+
+/// Brings a group's gradient and factor on their way while the group before is computed.
+void PointEliminator::prefetchGroup(int g) const {
+  const EliminationPlan::Group& group = plan_->groups()[static_cast<std::size_t>(g)];
+  const int numbers = detail::pointNumbers(group.dimension) * lanes;
+  for (int k = 0; k < numbers; k += 8) __builtin_prefetch(factorOf(g) + k);
+  for (int k = numbers - group.dimension * lanes; k < numbers; k += 8)
+    __builtin_prefetch(assembler_->sums() + group.sums + k);
 }
 
 /// u ← Σ J x over the kept vertices of a row.

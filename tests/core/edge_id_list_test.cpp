@@ -34,6 +34,16 @@ TEST(EdgeIdList, KeepsShortAndLongLists) {
   }
 }
 
+TEST(EdgeIdList, IsAssignedInPlace) {
+  EdgeIdList list;
+  for (const std::size_t vertices : {2u, 9u, 1u, 4u, 12u, 30u, 0u, 5u}) {
+    for (const std::size_t parameters : {1u, 0u, 6u}) {
+      list.assign(counted(vertices, 10), counted(parameters, 100));
+      expectIds(list, counted(vertices, 10), counted(parameters, 100));
+    }
+  }
+}
+
 TEST(EdgeIdList, CopiesAndMoves) {
   for (const std::size_t first : {2u, 9u}) {
     for (const std::size_t second : {1u, 12u}) {

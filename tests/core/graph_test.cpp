@@ -1,5 +1,6 @@
 #include <quiver/core/graph/graph.h>
 
+#include <array>
 #include <limits>
 #include <random>
 #include <vector>
@@ -133,6 +134,21 @@ TEST(Graph, AddressesStayWhileTheGraphGrowsAndShrinks) {
     ASSERT_FALSE(vertex.fixed());
   }
   EXPECT_EQ(graph.vertexCount(), count);
+}
+
+TEST(Graph, ZeroesOnlyWhatHasMembersOfItsOwn) {
+  EXPECT_TRUE(EdgePoint::addsNothing<EdgePoint>());
+  EXPECT_TRUE(EdgeSE2::addsNothing<EdgeSE2>());
+  EXPECT_FALSE(EdgeShifted::addsNothing<EdgeShifted>());
+  EXPECT_FALSE(EdgeSquares::addsNothing<EdgeSquares>()) << "padding behind a run-time dimension may hold a member";
+  Graph graph(makeRegistry());
+  graph.addVertex<VertexPoint>(0, Vector<double, 2>(1.0, 2.0));
+  const std::array<std::int64_t, 1> ids{0};
+  const auto& edge = static_cast<const EdgePoint&>(graph.addEdge(*graph.registry()->findEdgeType("EDGE_POINT"), ids));
+  EXPECT_EQ(edge.measurement(), (Vector<double, 2>(0.0, 0.0)));
+  EXPECT_EQ(edge.information(), (Matrix<double, 2, 2>::Identity()));
+  EXPECT_EQ(edge.level(), 0);
+  EXPECT_EQ(edge.robustKernel().name(), "none");
 }
 
 TEST(Graph, KeepsNumbersToTheLastBit) {

@@ -117,6 +117,48 @@ TEST(LaneProducts, CrossProductsAreThoseOfEveryEdge) {
   }
 }
 
+void expectAddedCross(InstructionSet set, int rows, int columnsA, int columnsB, const std::vector<int>& record,
+                      unsigned flipped) {
+  Numbers numbers;
+  const std::vector<double> A = numbers.some(rows * columnsA * lanes);
+  const std::vector<double> B = numbers.some(rows * columnsB * lanes);
+  const int padded = (columnsA * columnsB + lanes - 1) / lanes * lanes;
+  std::vector<double> blocks = numbers.some(padded * lanes);
+  std::vector<double> expected = blocks;
+  double* out[lanes];
+  std::int64_t flip[lanes];
+  for (int edge = 0; edge < lanes; ++edge) {
+    const int begin = record[static_cast<std::size_t>(edge)] * padded;
+    out[edge] = blocks.data() + begin;
+    flip[edge] = (flipped >> edge & 1) != 0 ? -1 : 0;
+    for (int a = 0; a < columnsA; ++a) {
+      for (int b = 0; b < columnsB; ++b) {
+        double& number = expected[static_cast<std::size_t>(begin + (flip[edge] ? a * columnsB + b : b * columnsA + a))];
+        for (int r = 0; r < rows; ++r) number += entry(A, rows, r, a, edge) * entry(B, rows, r, b, edge);
+      }
+    }
+  }
+  LaneProducts::addedCross(set, rows, columnsA, columnsB)(A.data(), B.data(), rows, columnsA, columnsB, flip, out);
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    ASSERT_NEAR(blocks[i], expected[i], 1e-12)
+        << rows << " rows, " << columnsA << " × " << columnsB << ", number " << i;
+}
+
+TEST(LaneProducts, AddedCrossProductsAreThoseOfEveryEdge) {
+  for (const InstructionSet set : instructionSets()) {
+    for (const int rows : {1, 2, 3}) {
+      for (const int columnsA : {1, 2, 3, 6}) {
+        for (const int columnsB : {1, 3, 4, 6, 9}) {
+          for (const unsigned flipped : {0U, 0xffU, 0x35U}) {
+            for (const std::vector<int>& record : sharing)
+              expectAddedCross(set, rows, columnsA, columnsB, record, flipped);
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(LaneProducts, SumsAreThoseOfAllGroups) {
   constexpr int groups = 5;
   for (const InstructionSet set : instructionSets()) {

@@ -96,10 +96,71 @@ void subtractPairs(const double* tile, const RecordPair* pairs, std::int64_t cou
   subtractStrips<KR, KR, KC, E>(tile, pairs, count, block, none);
 }
 
+/// Subtracts the lower triangle of a symmetric block from both triangles: column c from row c on. `line` holds rows
+/// [begin, end) of the column; row K is τ.
+template <int K>
+QUIVER_INLINE void subtractSymmetric(const double* line, int c, int begin, int end, double* block, double* right) {
+  for (int r = larger(begin, c); r < smaller(end, K); ++r) {
+    const double value = block[c * K + r] - line[r - begin];
+    block[c * K + r] = value;
+    block[r * K + c] = value;
+  }
+  if (end > K) right[c] -= line[K - begin];
+}
+
+/// C −= Σ Z Zᵀ and s −= Σ Z τ: rows of the body in whole vectors, column c from the four rows on that hold its
+/// diagonal.
 template <int K, int E>
 void subtractSquares(const double* tile, const RecordPair* pairs, std::int64_t count, int, int, double* block,
                      double* right) {
-  subtractStrips<K + 1, K, K, E>(tile, pairs, count, block, right);
+  constexpr int w = rowWidth(K);
+  constexpr int rows = recordBody(K);
+  constexpr int vectors = rows / w;
+  constexpr int columns = smaller(K, rows);
+  constexpr int tail = recordTail(K);
+  using Half = VectorOf<smaller(w, 4)>::Type;
+  // Whether a column begins with half a vector: where its diagonal is in the second four rows of eight.
+  constexpr auto halved = [](int c) { return w == 8 && c / 4 % 2 == 1; };
+  typename VectorOf<w>::Type body[columns][vectors] = {};
+  Half half[columns] = {};
+  typename VectorOf<w>::Type along[tail + 1][vectors] = {};
+  double last[tail + 1][tail + 1] = {};
+  for (std::int64_t p = 0; p < count; ++p) {
+    const double* record = tile + pairs[p].row * 8;
+#pragma GCC unroll 4
+    for (int m = 0; m < E; ++m) {
+      const double* const column = record + m * rows;
+      typename VectorOf<w>::Type z[vectors];
+#pragma GCC unroll 8
+      for (int v = 0; v < vectors; ++v) z[v] = load<w>(column + v * w);
+#pragma GCC unroll 16
+      for (int c = 0; c < columns; ++c) {
+        if (halved(c)) half[c] += load<smaller(w, 4)>(column + c / 4 * 4) * column[c];
+#pragma GCC unroll 8
+        for (int v = c / w + (halved(c) ? 1 : 0); v < vectors; ++v) body[c][v] += z[v] * column[c];
+      }
+#pragma GCC unroll 2
+      for (int t = 0; t < tail; ++t) {
+        const double factor = record[recordEntry(K, E, rows + t, m)];
+#pragma GCC unroll 8
+        for (int v = 0; v < vectors; ++v) along[t][v] += z[v] * factor;
+#pragma GCC unroll 2
+        for (int u = 0; u <= t && rows + u < K; ++u) last[t][u] += record[recordEntry(K, E, rows + u, m)] * factor;
+      }
+    }
+  }
+  alignas(64) double line[rows];
+  for (int c = 0; c < columns; ++c) {
+    for (int v = 0; v < vectors; ++v) store<w>(line + v * w, body[c][v]);
+    if (halved(c)) store<smaller(w, 4)>(line + c / 4 * 4, half[c]);
+    subtractSymmetric<K>(line, c, 0, rows, block, right);
+  }
+  for (int t = 0; t < tail; ++t) {
+    for (int v = 0; v < vectors; ++v) store<w>(line + v * w, along[t][v]);
+    for (int c = 0; c < columns; ++c) subtractSymmetric<K>(line + c, c, rows + t, rows + t + 1, block, right);
+    for (int u = 0; u <= t && rows + u < K; ++u)
+      subtractSymmetric<K>(last[t] + u, rows + u, rows + t, rows + t + 1, block, right);
+  }
 }
 
 // Sizes known at run time.

@@ -31,31 +31,29 @@ QUIVER_INLINE int lowerEntry(int e, int row, int column) {
   return column * e - column * (column - 1) / 2 + row - column;
 }
 
-/// 1/√pivot where the pivot is sound, else 0, and then adds 1 to `dropped`.
-QUIVER_INLINE Eight reciprocalRoot(const Eight& pivot, const Eight& diagonal, double floor, double* dropped) {
-  // Loops without branches, so that they become vector instructions.
-  double numbers[8];
-  double least[8];
-  double root[8];
-  double inverse[8];
-  storeEight(numbers, pivot);
-  storeEight(least, diagonal);
-  for (int lane = 0; lane < 8; ++lane) {
-    const bool sound = (numbers[lane] > floor * least[lane]) & (numbers[lane] <= 1.7976931348623157e308);
-    root[lane] = sound ? numbers[lane] : 0.0;
+/// 1/√pivot where the pivot is sound, else 0, and then adds 1 to `dropped`. Compares vectors: a branch for each of
+/// eight points would cost more than all the rest of their factors.
+QUIVER_INLINE Eight reciprocalRoot(const Eight& pivot, const Eight& diagonal, double floor, Eight& dropped) {
+  Eight inverse;
+#pragma GCC unroll 4
+  for (int i = 0; i < parts; ++i) {
+    const Lanes value = pivot.part[i];
+    const auto sound = (value > floor * diagonal.part[i]) & (value > 0.0) & (value <= 1.7976931348623157e308);
+    const Lanes one = Lanes{} + 1.0;
+    const Lanes usable = sound ? value : one;
+    double root[width];
+    store<width>(root, usable);
+    for (int lane = 0; lane < width; ++lane) root[lane] = __builtin_sqrt(root[lane]);
+    inverse.part[i] = sound ? one / load<width>(root) : Lanes{};
+    dropped.part[i] += sound ? Lanes{} : one;
   }
-  for (int lane = 0; lane < 8; ++lane) {
-    const double divisor = __builtin_sqrt(root[lane]);
-    inverse[lane] = divisor > 0.0 ? 1.0 / divisor : 0.0;
-  }
-  for (int lane = 0; lane < 8; ++lane) dropped[lane] += root[lane] > 0.0 ? 0.0 : 1.0;
-  return loadEight(inverse);
+  return inverse;
 }
 
 template <int E>
 void factorPoint(const double* sums, const double* damping, int givenE, double floor, double* factor, double* dropped) {
   const int e = sizeOf<E>(givenE);
-  double lost[8] = {};
+  Eight lost = zeroEight();
   for (int j = 0; j < e; ++j) {
     double* column = factor + lowerEntry(e, j, j) * 8;
     const Eight diagonal = plus(loadEight(sums + lowerEntry(e, j, j) * 8), loadEight(damping + j * 8));
@@ -69,7 +67,7 @@ void factorPoint(const double* sums, const double* damping, int givenE, double f
       storeEight(column + (i - j) * 8, i == j ? inverse : times(sum, inverse));
     }
   }
-  for (int lane = 0; lane < 8; ++lane) dropped[lane] = lost[lane];
+  storeEight(dropped, lost);
   const double* g = sums + e * (e + 1) / 2 * 8;
   double* tau = factor + e * (e + 1) / 2 * 8;
   for (int j = 0; j < e; ++j) {
