@@ -175,11 +175,11 @@ bool SingleVariable::factorize(std::span<const double> damping, LinearOutcome& o
       outcome = {LinearOutcome::Kind::notPositiveDefinite, 0, static_cast<int>(k), pivot, 0};
       return factored_ = false;
     }
-    const double root = factor_[k * size + k] = std::sqrt(pivot);
+    const double reciprocal = factor_[k * size + k] = 1.0 / std::sqrt(pivot);
     for (std::size_t i = k + 1; i < size; ++i) {
       double value = factor_[i * size + k];
       for (std::size_t j = 0; j < k; ++j) value -= factor_[i * size + j] * factor_[k * size + j];
-      factor_[i * size + k] = value / root;
+      factor_[i * size + k] = value * reciprocal;
     }
   }
   return factored_ = true;
@@ -189,11 +189,11 @@ void SingleVariable::substitute(std::span<double> b) const {
   const auto size = static_cast<std::size_t>(dimension_);
   for (std::size_t i = 0; i < size; ++i) {
     for (std::size_t j = 0; j < i; ++j) b[i] -= factor_[i * size + j] * b[j];
-    b[i] /= factor_[i * size + i];
+    b[i] *= factor_[i * size + i];
   }
   for (std::size_t i = size; i-- > 0;) {
     for (std::size_t j = i + 1; j < size; ++j) b[i] -= factor_[j * size + i] * b[j];
-    b[i] /= factor_[i * size + i];
+    b[i] *= factor_[i * size + i];
   }
 }
 

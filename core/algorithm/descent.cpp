@@ -31,6 +31,21 @@ class ShortText {
   fmt::memory_buffer text_;
 };
 
+/// The largest gᵢ²/dᵢ over positive d, divided only where it may grow.
+double largestQuotient(std::span<const double> g, std::span<const double> d) {
+  constexpr std::size_t chunk = 64;
+  double largest = 0.0;
+  for (std::size_t begin = 0; begin < g.size(); begin += chunk) {
+    const std::size_t end = std::min(g.size(), begin + chunk);
+    int above = 0;
+    for (std::size_t i = begin; i < end; ++i) above |= g[i] * g[i] > largest * d[i] ? 1 : 0;
+    for (std::size_t i = begin; above != 0 && i < end; ++i) {
+      if (d[i] > 0.0) largest = std::max(largest, g[i] * g[i] / d[i]);
+    }
+  }
+  return largest;
+}
+
 }  // namespace
 
 Descent::Descent(Problem& problem, LinearSystem& system, const Options& options, const StopCondition& stop,
@@ -90,10 +105,7 @@ bool Descent::measureGradient() {
   const auto gradient = system_.gradient();
   const auto diagonal = system_.diagonal();
   gradient_ = largestInLanes(gradient.size(), [&](std::size_t i) { return std::abs(gradient[i]); });
-  const double square = largestInLanes(gradient.size(), [&](std::size_t i) {
-    return diagonal[i] > 0.0 ? gradient[i] * gradient[i] / diagonal[i] : 0.0;
-  });
-  scaledGradient_ = std::sqrt(square);
+  scaledGradient_ = std::sqrt(largestQuotient(gradient, diagonal));
   // Zero times what is finite is zero; the largest number does not tell.
   if (sumInLanes(gradient.size(), [&](std::size_t i) { return 0.0 * gradient[i]; }) == 0.0) return true;
   finish(Status::numericalFailure, describeBadJacobian(problem_));

@@ -40,6 +40,32 @@ struct EdgeIds {
   }
 };
 
+/// Sorts stably by one of the two ids, in one pass over a table of them. False, and nothing done, if they are spread so
+/// far that the table would be larger than the edges. O(edges).
+bool sortByTable(std::vector<EdgeIds>& keys, std::int64_t EdgeIds::*id) {
+  const auto [least, most] =
+      std::minmax_element(keys.begin(), keys.end(), [id](const auto& a, const auto& b) { return a.*id < b.*id; });
+  const std::int64_t lowest = (*least).*id;
+  const std::uint64_t range = static_cast<std::uint64_t>((*most).*id) - static_cast<std::uint64_t>(lowest);
+  if (range > 2 * keys.size()) return false;
+  const auto row = [&](const EdgeIds& key) { return static_cast<std::size_t>(key.*id - lowest); };
+  std::vector<std::uint32_t> end(static_cast<std::size_t>(range) + 2, 0);
+  for (const EdgeIds& key : keys) ++end[row(key) + 1];
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<EdgeIds> sorted(keys.size());
+  for (const EdgeIds& key : keys) sorted[end[row(key)]++] = key;
+  keys.swap(sorted);
+  return true;
+}
+
+/// Sorts edges by their vertices; few have more than two.
+void sortById(std::vector<EdgeIds>& keys) {
+  const auto more = [](const EdgeIds& key) { return key.more; };
+  const bool pairs = std::none_of(keys.begin(), keys.end(), more);
+  if (pairs && sortByTable(keys, &EdgeIds::second) && sortByTable(keys, &EdgeIds::first)) return;
+  std::stable_sort(keys.begin(), keys.end());
+}
+
 /// An edge and the first number of what it measures, as an integer in the same order.
 struct EdgeContent {
   std::uint64_t key = 0;
@@ -176,7 +202,7 @@ void sortEdges(const Graph& graph, std::vector<const Edge*>& edges) {
     const auto ids = edge->vertexIds();
     keys.push_back({ids[0], ids.size() > 1 ? ids[1] : -1, edge, ids.size() > 2});
   }
-  if (!std::is_sorted(keys.begin(), keys.end())) std::stable_sort(keys.begin(), keys.end());
+  if (!std::is_sorted(keys.begin(), keys.end())) sortById(keys);
   for (std::size_t i = 0; i < keys.size(); ++i) edges[i] = keys[i].edge;
   for (std::size_t begin = 0, end = 1; begin < edges.size(); begin = end++) {
     while (end < edges.size() && !(keys[begin] < keys[end])) ++end;

@@ -222,30 +222,32 @@ class FixedBatch final : public EdgeBatch {
   /// Lays out the constants of one edge. The last edge also fills the lanes behind it.
   void pack(const Graph& graph, int i) {
     const E& edge = static_cast<const E&>(this->edge(i));
-    double numbers[Loop::constants];
+    const std::int64_t step = inLanes() ? Panel::lanes : 1;
+    double* const first = constants_.data() + std::int64_t{i} / step * numbers_ * step + i % step;
+    double* next = first;
+    const auto put = [&](double number) {
+      *next = number;
+      next += step;
+    };
     if constexpr (Packable<typename E::Measurement>) {
-      std::copy_n(edge.measurementStore().values(), Loop::measurementSize, numbers);
+      const double* const measurement = edge.measurementStore().values();
+      for (int k = 0; k < Loop::measurementSize; ++k) put(measurement[k]);
     }
-    double* next = numbers + Loop::measurementSize;
-    for (const std::int64_t id : edge.parameterIds()) {
-      const std::span<const double> values = parameterValues(graph, id);
-      next = std::copy(values.begin(), values.end(), next);
+    if constexpr (E::Parameters::size > 0) {
+      for (const std::int64_t id : edge.parameterIds()) {
+        for (const double value : parameterValues(graph, id)) put(value);
+      }
     }
     if (whitening_ == Whitening::diagonal) {
       for (int r = 0, k = 0; r < Loop::rows; k += Loop::rows - r, ++r)
-        next[r] = std::sqrt(std::max(information(i)[static_cast<std::size_t>(k)], 0.0));
+        put(std::sqrt(std::max(information(i)[static_cast<std::size_t>(k)], 0.0)));
     } else if (whitening_ == Whitening::triangular) {
-      squareRoot(information(i), Loop::rows, next);
+      double root[Loop::triangle];
+      squareRoot(information(i), Loop::rows, root);
+      for (const double number : root) put(number);
     }
-    if (inLanes()) {
-      const int last = i + 1 == size() ? (i / Panel::lanes + 1) * Panel::lanes - 1 : i;
-      for (int lane = i; lane <= last; ++lane) {
-        double* out =
-            constants_.data() + std::int64_t{lane / Panel::lanes} * numbers_ * Panel::lanes + lane % Panel::lanes;
-        for (int k = 0; k < numbers_; ++k) out[k * Panel::lanes] = numbers[k];
-      }
-    } else {
-      std::copy_n(numbers, numbers_, constants_.data() + std::int64_t{i} * numbers_);
+    for (int lane = i + 1; i + 1 == size() && lane % step != 0; ++lane) {
+      for (int k = 0; k < numbers_; ++k) first[k * step + lane - i] = first[k * step];
     }
   }
 

@@ -14,8 +14,8 @@ constexpr int lanes = Panel::lanes;
 constexpr int parts = 8;
 /// A pivot below this share of its diagonal is rounding: the direction is left out.
 constexpr double pivotFloor = 1e-13;
-/// Pairs of records that are multiplied while an edge is linearised and its record written.
-constexpr std::int64_t pairsPerEdge = 2;
+/// Pairs of records that are multiplied while two edges are linearised and their records written.
+constexpr std::int64_t pairsPerTwoEdges = 3;
 /// Copies of S for tiles that run side by side: four while S is this small, two up to the second size, else one.
 constexpr std::int64_t smallMatrix = 1 << 15;
 constexpr std::int64_t middleMatrix = 1 << 20;
@@ -135,12 +135,15 @@ std::vector<int> PointEliminator::cutTiles(int most) const {
                                tiles_.blocks()[static_cast<std::size_t>(tile.blockBegin)].pairs;
     const std::int64_t rows = plan_->groups()[static_cast<std::size_t>(tile.groupEnd - 1)].rowEnd -
                               plan_->groups()[static_cast<std::size_t>(tile.groupBegin)].rowBegin;
-    work.push_back(work.back() + pairs + rows * lanes * pairsPerEdge);
+    work.push_back(work.back() + 2 * pairs + rows * lanes * pairsPerTwoEdges);
   }
   std::vector<int> ends;
   for (int s = 1; s < most; ++s) {
-    const auto at = std::lower_bound(work.begin(), work.end(), work.back() * s / most);
-    const auto end = static_cast<int>(at - work.begin());
+    const std::int64_t share = work.back() * s / most;
+    const auto at = std::lower_bound(work.begin(), work.end(), share);
+    auto end = static_cast<int>(at - work.begin());
+    // The nearer of two ends.
+    if (end > 0 && share - work[static_cast<std::size_t>(end) - 1] < *at - share) --end;
     if (end > (ends.empty() ? 0 : ends.back()) && end < count) ends.push_back(end);
   }
   ends.push_back(count);
