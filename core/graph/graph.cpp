@@ -175,8 +175,12 @@ Parameter& Graph::addParameterOf(const ParameterType* type, std::string_view cpp
 
 const Graph::EdgeShape& Graph::shapeOf(const EdgeType& type) {
   const auto index = static_cast<std::size_t>(type.index());
+  return index < shapes_.size() && shapes_[index].pool != nullptr ? shapes_[index] : resolveShape(type);
+}
+
+const Graph::EdgeShape& Graph::resolveShape(const EdgeType& type) {
+  const auto index = static_cast<std::size_t>(type.index());
   if (shapes_.size() <= index) shapes_.resize(index + 1);
-  if (shapes_[index].pool) return shapes_[index];
   EdgeShape shape;
   shape.variableArity = type.variableArity();
   for (int role = 0; role < type.arity(); ++role) {

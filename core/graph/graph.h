@@ -231,6 +231,7 @@ class Graph {
   };
   /// Resolved on first use.
   const EdgeShape& shapeOf(const EdgeType& type);
+  const EdgeShape& resolveShape(const EdgeType& type);
   /// Throw GraphError unless an edge of that type may join the vertices and use the parameters. They look at no
   /// element.
   void checkVertices(const EdgeType& type, const EdgeShape& shape, std::span<const std::int64_t> vertices) const;

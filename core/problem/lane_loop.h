@@ -225,6 +225,16 @@ inline typename EdgeLoop<E>::template Estimates<L> loadEstimates(const BatchView
   (std::make_integer_sequence<int, Loop::arity>());
 }
 
+/// A measurement from the constants of eight edges: long ones where they lie.
+template <typename M, typename L>
+inline decltype(auto) measurementOf(const L* constant) {
+  if constexpr (Packing<M>::size > 4 && requires { Packing<M>::template view<L>(constant); }) {
+    return Packing<M>::template view<L>(constant);
+  } else {
+    return Packing<M>::template load<L>(constant);
+  }
+}
+
 /// The constants of a group of eight edges, which begins at `begin` of the list: where they lie if they lie in lanes,
 /// else gathered into `scattered`. `run`: the edges of the list follow each other.
 template <typename Loop, typename L>
@@ -256,7 +266,7 @@ inline void laneLoop(const BatchView& batch, const std::int32_t* edges, int coun
   for (int begin = 0; begin < count; begin += L::width) {
     const std::int64_t group = begin / L::width;
     const bool whole = begin + L::width <= count;
-    std::int32_t ids[L::width];
+    std::int32_t ids[L::width] = {};
     if (run && whole) {
       ids[0] = edges[begin];
     } else if (view.rows == nullptr) {
@@ -265,7 +275,7 @@ inline void laneLoop(const BatchView& batch, const std::int32_t* edges, int coun
     L scattered[Loop::constants];
     const L* const constant = groupConstants<Loop>(view, ids, begin, run, scattered);
     const L* const U = constant + Loop::values;
-    const auto m = Packing<typename E::Measurement>::template load<L>(constant);
+    decltype(auto) m = measurementOf<typename E::Measurement>(constant);
     const auto p = Loop::template parameterValues<L>(constant);
     const auto x = loadEstimates<E, L>(view, ids, run && whole, group);
     const E& any = *static_cast<const E*>(view.objects[0]);  // functions that take lanes are static

@@ -95,7 +95,7 @@ inline void productLoop(const BatchView& view, int first, int count, const Produ
     for (int i = 0; i < L::width; ++i) ids[i] = at + i < view.edges ? at + i : static_cast<int>(view.edges) - 1;
     const double* in = view.constants + std::int64_t{at} * view.numbers;
     const L* const constant = asLanes<L>(in);
-    const auto m = Packing<typename E::Measurement>::template load<L>(constant);
+    decltype(auto) m = measurementOf<typename E::Measurement>(constant);
     const auto p = Loop::template parameterValues<L>(constant);
     const auto x = loadEstimates<E, L>(view, ids, at + L::width <= view.edges, 0);
     const E& none = *static_cast<const E*>(view.objects[at]);

@@ -53,20 +53,28 @@ class TiledFactor {
   int below(int chunk) const { return begin(chunk) + (width(chunk) + 7) / 8 * 8; }
   int tasksOf(int chunk) const { return below(chunk) < panel_.rows ? 1 + strips_ - below(chunk) / height_ : 1; }
 
-  void subtractProducts(int chunk, int firstRow, int lastRow) const {
+  /// Waits until the chunks before `chunk` are finished in a strip; false if they never will be.
+  bool awaitStrip(int strip, int chunk) { return finished_[static_cast<std::size_t>(strip)].await(chunk, ended_); }
+
+  /// Subtracts products from rows of a strip as the chunks to the left come to be finished there, and in the strip that
+  /// holds the chunk's own rows. Returns false if they never will be.
+  bool subtractProducts(int chunk, int strip, int firstRow, int lastRow) {
+    const int own = begin(chunk) / height_;
     for (int k = 0; k < begin(chunk); k += depthColumns) {
-      kernels_.updatePanel(panel_.values, panel_.stride, k, std::min(depthColumns, begin(chunk) - k), begin(chunk),
-                           begin(chunk) + width(chunk), firstRow, lastRow);
+      const int depth = std::min(depthColumns, begin(chunk) - k);
+      const int needed = (k + depth) / chunkColumns;
+      if (!awaitStrip(strip, needed) || !awaitStrip(own, needed)) return false;
+      kernels_.updatePanel(panel_.values, panel_.stride, k, depth, begin(chunk), begin(chunk) + width(chunk), firstRow,
+                           lastRow);
     }
+    return true;
   }
 
   void factorDiagonal(int chunk) {
-    // The strip that holds its rows.
-    if (!finished_[static_cast<std::size_t>(begin(chunk) / height_)].await(chunk, ended_)) return;
     PanelFailure failure;
     failure.stopped = chunk > 0 && stop_.reached();
     if (!failure.stopped) {
-      subtractProducts(chunk, begin(chunk), below(chunk));
+      if (!subtractProducts(chunk, begin(chunk) / height_, begin(chunk), below(chunk))) return;
       failure.column = kernels_.factorDiagonal(panel_.values, panel_.stride, begin(chunk), width(chunk), panel_.inverse,
                                                &failure.pivot);
       if (failure.column >= 0) failure.column += begin(chunk);
@@ -83,9 +91,7 @@ class TiledFactor {
     const auto at = static_cast<std::size_t>(strip);
     const int first = std::max(below(chunk), strip * height_);
     const int last = std::min(panel_.rows, (strip + 1) * height_);
-    if (!finished_[at].await(chunk, ended_)) return;
-    if (!finished_[static_cast<std::size_t>(begin(chunk) / height_)].await(chunk, ended_)) return;
-    subtractProducts(chunk, first, last);
+    if (!subtractProducts(chunk, strip, first, last)) return;
     if (!diagonals_.await(chunk + 1, ended_)) return;
     kernels_.solveRows(panel_.values, panel_.stride, begin(chunk), width(chunk), first, last, panel_.inverse);
     finished_[at].reach(chunk + 1);

@@ -4,9 +4,9 @@
 /// Vectors for the rows of a record's body.
 constexpr int rowWidth(int k) { return smaller(width, recordBody(k)); }
 
-/// Subtracts the rows of the body that count from a column of K numbers, and row K, if it is there, from *right.
-template <int Rows, int K, int vectors>
-QUIVER_INLINE void subtractColumn(const typename VectorOf<rowWidth(K)>::Type* body, double* column, double* right) {
+/// Subtracts the rows of the body that count from a column of K numbers.
+template <int K, int vectors>
+QUIVER_INLINE void subtractColumn(const typename VectorOf<rowWidth(K)>::Type* body, double* column) {
   constexpr int w = rowWidth(K);
   if constexpr (vectors * w <= K) {
 #pragma GCC unroll 8
@@ -22,21 +22,19 @@ QUIVER_INLINE void subtractColumn(const typename VectorOf<rowWidth(K)>::Type* bo
     }
     for (; r + 2 <= K; r += 2) store<2>(column + r, load<2>(column + r) - load<2>(line + r));
     if (r < K) column[r] -= line[r];
-    if (Rows > K) *right -= line[K];
   }
 }
 
 /// Subtracts what one pass over the pairs accumulates: columns [first, first + columns) of the rows in the body of
 /// C = Σ Z_row Z_columnᵀ, and, with the last columns, the rows of the tail, which run along the column record's body.
-template <int Rows, int KR, int KC, int E, int first, int columns, bool tails>
-QUIVER_INLINE void subtractStrip(const double* tile, const RecordPair* pairs, std::int64_t count, double* block,
-                                 double* right) {
+template <int KR, int KC, int E, int first, int columns, bool tails>
+QUIVER_INLINE void subtractStrip(const double* tile, const RecordPair* pairs, std::int64_t count, double* block) {
   constexpr int w = rowWidth(KR);
-  constexpr int vectors = (smaller(Rows, recordBody(KR)) + w - 1) / w;
+  constexpr int vectors = (smaller(KR, recordBody(KR)) + w - 1) / w;
   constexpr int wc = rowWidth(KC);
   constexpr int across = (smaller(KC, recordBody(KC)) + wc - 1) / wc;
-  constexpr int corner = KC > recordBody(KC) ? KC - recordBody(KC) : 0;
-  constexpr int tail = tails && Rows > recordBody(KR) ? Rows - recordBody(KR) : 0;
+  constexpr int corner = larger(0, KC - recordBody(KC));
+  constexpr int tail = tails ? larger(0, KR - recordBody(KR)) : 0;
   typename VectorOf<w>::Type body[columns][vectors] = {};
   typename VectorOf<wc>::Type along[tail + 1][across] = {};
   double last[tail + 1][corner + 1] = {};
@@ -65,35 +63,31 @@ QUIVER_INLINE void subtractStrip(const double* tile, const RecordPair* pairs, st
     }
   }
 #pragma GCC unroll 9
-  for (int c = 0; c < columns; ++c)
-    subtractColumn<Rows, KR, vectors>(body[c], block + (first + c) * KR, right + first + c);
+  for (int c = 0; c < columns; ++c) subtractColumn<KR, vectors>(body[c], block + (first + c) * KR);
   for (int t = 0; t < tail; ++t) {
     double line[across * wc + corner + 1];
     for (int v = 0; v < across; ++v) store<wc>(line + v * wc, along[t][v]);
     for (int c = 0; c < corner; ++c) line[recordBody(KC) + c] = last[t][c];
-    const int row = recordBody(KR) + t;
-    for (int c = 0; c < KC; ++c) (row < KR ? block[c * KR + row] : right[c]) -= line[c];
+    for (int c = 0; c < KC; ++c) block[c * KR + recordBody(KR) + t] -= line[c];
   }
 }
 
 /// Columns are taken in strips that leave registers for the operands.
-template <int Rows, int KR, int KC, int E, int first = 0>
-QUIVER_INLINE void subtractStrips(const double* tile, const RecordPair* pairs, std::int64_t count, double* block,
-                                  double* right) {
+template <int KR, int KC, int E, int first = 0>
+QUIVER_INLINE void subtractStrips(const double* tile, const RecordPair* pairs, std::int64_t count, double* block) {
   constexpr int w = rowWidth(KR);
-  constexpr int vectors = (smaller(Rows, recordBody(KR)) + w - 1) / w;
+  constexpr int vectors = (smaller(KR, recordBody(KR)) + w - 1) / w;
   constexpr int registers = width == 8 ? 24 : 12;
   constexpr int strip = larger(1, smaller(9, registers / vectors));
   constexpr int columns = smaller(strip, KC - first);
   constexpr bool final = first + columns == KC;
-  subtractStrip<Rows, KR, KC, E, first, columns, final>(tile, pairs, count, block, right);
-  if constexpr (!final) subtractStrips<Rows, KR, KC, E, first + columns>(tile, pairs, count, block, right);
+  subtractStrip<KR, KC, E, first, columns, final>(tile, pairs, count, block);
+  if constexpr (!final) subtractStrips<KR, KC, E, first + columns>(tile, pairs, count, block);
 }
 
 template <int KR, int KC, int E>
 void subtractPairs(const double* tile, const RecordPair* pairs, std::int64_t count, int, int, int, double* block) {
-  double none[KC];
-  subtractStrips<KR, KR, KC, E>(tile, pairs, count, block, none);
+  subtractStrips<KR, KC, E>(tile, pairs, count, block);
 }
 
 /// Subtracts the lower triangle of a symmetric block from both triangles: column c from row c on. `line` holds rows
