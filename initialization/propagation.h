@@ -8,8 +8,8 @@
 namespace quiver {
 
 /// Sets the estimates of all vertices that are no poses and are not held, from the poses, by the first edge in
-/// canonical order that can tell each. Returns their number. Throws GraphError naming the first vertex that ends
-/// without an estimate.
+/// canonical order that can tell each; what no edge can tell keeps its estimate. Returns their number. Throws
+/// GraphError naming the first vertex that ends without an estimate.
 std::int64_t propagateFromPoses(Graph& graph, const Options& options);
 
 }  // namespace quiver

@@ -88,8 +88,10 @@ void addAlgorithmFlags(CLI::App& command, OptimizeFlags& flags) {
       ->type_name("NAME")
       ->capture_default_str();
   command
-      .add_option("--linear-tolerance", flags.linearTolerance,
-                  "Where an iterative linear solver ends: the residual as a part of the right-hand side")
+      .add_option(
+          "--linear-tolerance", flags.linearTolerance,
+          "Residual, as a part of the right-hand side, at which an iterative linear solver ends near the optimum; "
+          "steps far from it, which the next ones correct anyway, end earlier")
       ->type_name("R")
       ->check(numberBetween(1e-16, 0.999))
       ->capture_default_str();

@@ -86,6 +86,7 @@ SimulatedGraph simulateSphere(const SphereSettings& settings, std::shared_ptr<co
     for (Graph* graph : {&truth, &measured}) graph->addEdge<EdgeSE3>({from, to}, measurement, information);
     if (to != from + 1) continue;
     estimate = estimate * measurement;
+    estimate = Pose(estimate.rotation().renormalised(), estimate.translation());
     measured.vertex<VertexSE3>(to).setEstimate(estimate);
   }
   return {std::move(measured), std::move(truth)};

@@ -220,7 +220,7 @@ bool Descent::stopRuleMet(double costBefore) {
                                         options_.gradientTolerance));
     return true;
   }
-  if (relativeStep_ < options_.stepTolerance && costRests(change)) {
+  if (relativeStep_ < options_.stepTolerance && costRests(costBefore)) {
     finish(Status::converged, ShortText("the step is {:.2e} of the estimate, less than {:.0e} is asked", relativeStep_,
                                         options_.stepTolerance));
     return true;
@@ -228,12 +228,13 @@ bool Descent::stopRuleMet(double costBefore) {
   return false;
 }
 
-/// Far from the origin, small parts of ‖x‖ are long steps, and damped ones may be short anywhere: with a short step the
-/// cost must have come to rest too, if it is asked, within the tolerance or, after a full step, within rounding.
-bool Descent::costRests(double change) const {
+/// Far from the origin, small parts of ‖x‖ are long steps, and damped ones may be short anywhere: after a short step
+/// the cost must rest too, if it is asked. Where it still falls, however little, it does not: weights of robust kernels
+/// settle slowly. Where it rises, by no more than rounding explains, only rounding moves it.
+bool Descent::costRests(double costBefore) const {
   if (options_.costTolerance == 0.0) return true;
-  if (damping_ > 0.0) return change <= options_.costTolerance * totals_.cost;
-  return change <= std::max(100.0 * options_.costTolerance * totals_.cost, 2.0 * std::sqrt(totals_.cost * roundings()));
+  if (damping_ > 0.0 || totals_.cost < costBefore) return false;
+  return totals_.cost - costBefore <= 2.0 * std::sqrt(totals_.cost * roundings());
 }
 
 bool Descent::costIsRounding() const {

@@ -76,7 +76,7 @@ class Descent {
   bool stopRuleMet(double costBefore);
   /// Whether the cost is what the rounding of estimates makes of errors that are zero.
   bool costIsRounding() const;
-  bool costRests(double change) const;
+  bool costRests(double costBefore) const;
   /// What rounding of estimates makes of a cost of zero, about: Σ Hᵢᵢ (εx)². O(scalars).
   double roundings() const;
   /// The gradient where the system was linearised last; false, and the end, if it is not finite.

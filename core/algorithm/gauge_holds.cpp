@@ -28,14 +28,17 @@ GaugeCombinations independent(const GaugeCombinations& combinations, const Gauge
 
 /// Directions of one variable that the combinations move, at most `most` and independent of each other; the
 /// combinations that are left do not move them. Those that turn alone come first: a turn of the world turns a pose
-/// wherever it stands, while which way it pushes the pose changes with every step.
-std::uint64_t chooseDirections(const Eigen::MatrixXd& generators, int most, GaugeCombinations& combinations) {
+/// wherever it stands, while which way it pushes the pose changes with every step. `reach` is how far a turn of 1
+/// radian moves a vertex on average: turns are measured by it, since radians do not grow with the world.
+std::uint64_t chooseDirections(const Eigen::MatrixXd& generators, int most, double reach,
+                               GaugeCombinations& combinations) {
   constexpr double leastMotion = 1e-6;  // of the mean
   std::uint64_t directions = 0;
   for (int taken = 0; taken < most && combinations.cols() > 0; ++taken) {
     const Eigen::MatrixXd motion = generators * combinations;
     const Eigen::VectorXd lengths = motion.rowwise().norm();
-    const Eigen::VectorXd turns = (generators.leftCols(gaugeRoll).rowwise().norm().array() == 0.0).select(lengths, 0.0);
+    const Eigen::VectorXd turns =
+        (generators.leftCols(gaugeRoll).rowwise().norm().array() == 0.0).select(reach * lengths, 0.0);
     Eigen::Index row = 0;
     if (!(turns.maxCoeff(&row) > leastMotion) && !(lengths.maxCoeff(&row) > leastMotion)) break;
     if (row >= 64) break;
@@ -56,6 +59,8 @@ std::vector<HeldDirections> chooseHolds(const Problem& problem, const ComponentG
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, gaugeDirections, Eigen::RowMajor>;
   double scalars = 0.0;
   for (const int v : gauge.variables) scalars += problem.dimension(v);
+  const double turned = gram.diagonal().segment<gaugeScale - gaugeRoll>(gaugeRoll).maxCoeff();
+  const double reach = std::sqrt(turned / static_cast<double>(gauge.variables.size()));
   GaugeCombinations left = independent(free, gram, scalars);
   int need = gauge.free;
   std::vector<HeldDirections> holds;
@@ -64,7 +69,7 @@ std::vector<HeldDirections> chooseHolds(const Problem& problem, const ComponentG
     const Eigen::Map<const Rows, 0, Eigen::OuterStride<gaugeRow>> G(
         generators.data() + begin[static_cast<std::size_t>(problem.slotOfVariable(variable))], dimension,
         gaugeDirections);
-    const std::uint64_t directions = chooseDirections(G, std::min(need, dimension), left);
+    const std::uint64_t directions = chooseDirections(G, std::min(need, dimension), reach, left);
     if (directions == 0) return;
     holds.push_back({variable, directions});
     need -= std::popcount(directions);

@@ -60,11 +60,15 @@ std::string describeHold(const Problem& problem, const HeldDirections& hold) {
 }
 
 std::string describeGauge(const GaugeReport& report, bool fixes, int found, const std::vector<std::string>& holds) {
+  constexpr std::size_t most = 8;
   const std::string components = report.components == 1 ? "" : fmt::format(" in {} components", report.components);
   if (found == 0) return fmt::format("nothing is free{}", components);
   if (!fixes) return fmt::format("{} directions are free{} and left so", found, components);
   if (holds.empty()) return fmt::format("{} directions are free{}; no vertex could be held", found, components);
-  return fmt::format("{} directions are free{}; vertex {} held", found, components, fmt::join(holds, ", "));
+  const auto end = holds.begin() + static_cast<std::ptrdiff_t>(std::min(most, holds.size()));
+  const std::string others = holds.size() > most ? fmt::format(" and {} others", holds.size() - most) : "";
+  return fmt::format("{} directions are free{}; vertex {}{} held", found, components,
+                     fmt::join(holds.begin(), end, ", "), others);
 }
 
 /// Detects the gauge and, if the policy says so, holds as many directions as are free; which they are.

@@ -37,6 +37,12 @@ TEST_F(OtherCommands, SimulateIsSeededAndComesWithTheTruth) {
   EXPECT_EQ(run("simulate sphere -o a.g2o --noise-rotation '0.1;0.2'").exitCode, 2);
 }
 
+TEST_F(OtherCommands, SimulatedPosesSurviveReadingToTheLastBit) {
+  ASSERT_EQ(run("simulate sphere -o a.g2o --laps 20 --nodes-per-lap 50").exitCode, 0);
+  ASSERT_EQ(run("convert a.g2o b.g2o").exitCode, 0);
+  EXPECT_EQ(read("a.g2o"), read("b.g2o"));
+}
+
 TEST_F(OtherCommands, SimulatedNoiseHasTheStatedSize) {
   ASSERT_EQ(run("simulate sphere -o a.g2o --truth t.g2o --laps 10 --nodes-per-lap 20 --noise-rotation 0.05 "
                 "--noise-translation '0.1;0.2;0.3'")

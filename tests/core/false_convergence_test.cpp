@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <quiver/core/algorithm/optimizer.h>
+#include <quiver/core/graph/robust_kernels.h>
 
 #include "ring_graph.h"
 
@@ -138,6 +139,41 @@ TEST(FalseConvergence, ADampedStepThatIsShortIsNoEnd) {
   const Summary summary = optimize(graph, {.maxIterations = 200, .algorithm = "lm"});
   EXPECT_EQ(summary.status, Status::converged) << summary.reason;
   EXPECT_LT(summary.finalChi2, 1e-12);
+}
+
+/// A ring with wrong loops about a place far away, under a kernel whose weights settle slowly.
+Graph wrongLoopsAt(double distance) {
+  const Graph near = ringGraph<EdgeRangeDual>(120, 0);
+  Graph graph(makeRegistry());
+  const SE2<double> shift(distance, -2.0 * distance, 0.0);
+  near.forEachVertex([&](const Vertex& vertex) {
+    graph.addVertex<VertexSE2>(vertex.id(), shift * static_cast<const VertexSE2&>(vertex).estimate());
+  });
+  int at = 0;
+  near.forEachEdge([&](const Edge& edge) {
+    const auto& odometry = static_cast<const EdgeSE2&>(edge);
+    const Vector<double, 3> off(0.3 * std::sin(at), 0.3 * std::cos(3.0 * at), 0.05 * std::sin(5.0 * at));
+    const SE2<double> measured = odometry.measurement().retract(at % 2 == 0 ? off : Vector<double, 3>(0.0, 0.0, 0.0));
+    graph.addEdge<EdgeSE2>({odometry.vertexId(0), odometry.vertexId(1)}, measured, odometry.information())
+        .setRobustKernel(RobustKernel(cauchyKernel(), 0.2));
+    ++at;
+  });
+  return graph;
+}
+
+TEST(FalseConvergence, AShortStepFarAwayIsNoEndWhileTheCostFalls) {
+  for (const std::string algorithm : {"gn", "dogleg"}) {
+    const Options options{.maxIterations = 2000, .algorithm = algorithm, .gauge = GaugePolicy::fix};
+    Graph near = wrongLoopsAt(0.0);
+    const Summary expected = optimize(near, options);
+    EXPECT_EQ(expected.status, Status::converged);
+    for (const double distance : {5e5, 5e8}) {
+      Graph far = wrongLoopsAt(distance);
+      const Summary summary = optimize(far, options);
+      EXPECT_EQ(summary.status, Status::converged) << algorithm << ' ' << distance;
+      EXPECT_NEAR(summary.finalCost, expected.finalCost, 1e-7 * expected.finalCost) << algorithm << ' ' << distance;
+    }
+  }
 }
 
 }  // namespace

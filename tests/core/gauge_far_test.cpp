@@ -65,6 +65,45 @@ TEST(GaugeFar, AHeadingIsFoundAnywhere) {
   }
 }
 
+/// Three poses so many units apart, as precise as that is long, which do not quite agree.
+Graph triangle(double side) {
+  Graph graph(makeRegistry());
+  graph.addVertex<VertexSE2>(0, SE2<double>(0.0, 0.0, 0.0));
+  graph.addVertex<VertexSE2>(1, SE2<double>(1.1 * side, 0.1 * side, 2.2));
+  graph.addVertex<VertexSE2>(2, SE2<double>(0.4 * side, 0.9 * side, -2.0));
+  const SE2<double> along(side, 0.02 * side, 2.1);
+  const double place = 100.0 / side / side;
+  const Matrix<double, 3, 3> information = Vector<double, 3>(place, place, 100.0).asDiagonal();
+  for (int i = 0; i < 3; ++i) graph.addEdge<EdgeSE2>({i, (i + 1) % 3}, along, information);
+  return graph;
+}
+
+TEST(GaugeFar, AWorldOfAnyWidthIsHeldByItsFirstPose) {
+  Graph unit = triangle(1.0);
+  const Summary expected = optimize(unit, {.algorithm = "gn"});
+  EXPECT_EQ(expected.status, Status::converged);
+  for (const double side : {1e-6, 1e-3, 1e3, 1e6, 3e6, 1e7, 1e9, 1e12}) {
+    Graph graph = triangle(side);
+    const Summary summary = optimize(graph, {.algorithm = "gn"});
+    EXPECT_EQ(summary.status, Status::converged) << side;
+    EXPECT_EQ(summary.gauge.fixed, expected.gauge.fixed) << side;
+    EXPECT_NEAR(summary.finalChi2, expected.finalChi2, 1e-6 * expected.finalChi2) << side;
+    EXPECT_EQ(graph.vertex<VertexSE2>(0).estimate().toVector(), (Vector<double, 3>(0.0, 0.0, 0.0))) << side;
+  }
+}
+
+TEST(GaugeFar, ManyHeldVerticesAreCounted) {
+  Graph graph(makeRegistry());
+  for (int i = 0; i < 20; ++i) {
+    graph.addVertex<VertexSE2>(2 * i, SE2<double>(0.0, 0.0, 0.0));
+    graph.addVertex<VertexSE2>(2 * i + 1, SE2<double>(1.0, 0.0, 0.0));
+    graph.addEdge<EdgeSE2>({2 * i, 2 * i + 1}, SE2<double>(1.1, 0.0, 0.1), Matrix<double, 3, 3>::Identity());
+  }
+  const Summary summary = optimize(graph, {.algorithm = "gn"});
+  EXPECT_EQ(summary.gauge.fixed.size(), 20U);
+  EXPECT_THAT(summary.gauge.reason, ::testing::HasSubstr("vertex 0, 2, 4, 6, 8, 10, 12, 14 and 12 others held"));
+}
+
 TEST(GaugeFar, ASinglePointFarAwayIsFreeInTwoDirections) {
   for (const double distance : {0.0, 1.0, 1e7}) {
     Graph graph(makeRegistry());

@@ -112,7 +112,9 @@ void expectSameOptimum(double k) {
   // Differences of differences are as good as their steps, those of dual numbers as good as one.
   EXPECT_LT(checkJacobians(dual).worstDeviation(), 1e-6) << checkJacobians(dual).describe();
   // Beyond that, a step short enough is within the rounding of the other coordinate: such columns are left out.
-  if (k >= 1e-7) EXPECT_EQ(checkJacobians(dual).types[0].jumps, 0);
+  if (k >= 1e-7) {
+    EXPECT_EQ(checkJacobians(dual).types[0].jumps, 0);
+  }
   EXPECT_LT(checkJacobians(numeric).worstDeviation(), 1e-3) << checkJacobians(numeric).describe();
   EXPECT_LT(checkJacobians(dynamic).worstDeviation(), 1e-3);
   (void)optimize(dual);

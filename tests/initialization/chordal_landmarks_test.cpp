@@ -1,0 +1,59 @@
+// What chordal initialisation makes of vertices that are no poses.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <quiver/core/util/error.h>
+#include <quiver/initialization/chordal.h>
+#include <quiver/quiver.h>
+#include <quiver/types_sba/models/edge_project.h>
+#include <quiver/types_slam3d/edge_se3.h>
+
+namespace quiver {
+namespace {
+
+constexpr std::int64_t camera = 900;
+
+/// Cameras along a line, chained, that see points ahead with intrinsics which are a vertex of their own.
+Graph camerasInARow(bool intrinsicsKnown) {
+  Graph graph(builtinRegistry());
+  const Vector<double, 4> intrinsics(500.0, 500.0, 320.0, 240.0);
+  const auto poseOf = [](int i) { return SE3<double>(SO3<double>::exp({0.0, 0.02 * i, 0.0}), {0.5 * i, 0.0, 0.0}); };
+  if (intrinsicsKnown) {
+    graph.addVertex<VertexPinhole>(camera, intrinsics);
+  } else {
+    graph.addVertex<VertexPinhole>(camera);
+  }
+  for (int i = 0; i < 6; ++i) {
+    graph.addVertex<VertexSE3>(i, SE3<double>());
+    if (i > 0) graph.addEdge<EdgeSE3>({i - 1, i}, poseOf(i - 1).between(poseOf(i)), Matrix<double, 6, 6>::Identity());
+  }
+  for (int p = 0; p < 12; ++p) {
+    const Vector<double, 3> at(0.3 * p - 0.5, 0.4 * (p % 3) - 0.4, 5.0 + 0.1 * p);
+    graph.addVertex<VertexXYZ>(100 + p, at);
+    for (int i = 0; i < 6; ++i) {
+      const Vector<double, 2> pixel = CameraPinhole::project<double>(intrinsics, poseOf(i).actInverse(at));
+      graph.addEdge<EdgeProjectPinholeIntrinsics>({i, 100 + p, camera}, pixel, Matrix<double, 2, 2>::Identity());
+    }
+  }
+  return graph;
+}
+
+TEST(ChordalLandmarks, KeepWhatNoEdgeTells) {
+  Graph graph = camerasInARow(true);
+  EXPECT_THAT(chordalEstimate(graph, {}), ::testing::HasSubstr("13 other vertices"));
+  EXPECT_EQ(graph.vertex<VertexPinhole>(camera).estimate(), (Vector<double, 4>(500.0, 500.0, 320.0, 240.0)));
+  for (int p = 0; p < 12; ++p) EXPECT_TRUE(graph.findVertex(100 + p)->hasEstimate());
+  EXPECT_NEAR(graph.vertex<VertexSE3>(5).estimate().translation()[0], 2.5, 1e-6);
+}
+
+TEST(ChordalLandmarks, NameWhatHasNoEstimateAtAll) {
+  Graph graph = camerasInARow(false);
+  try {
+    (void)chordalEstimate(graph, {});
+    ADD_FAILURE() << "nothing can tell the intrinsics";
+  } catch (const GraphError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("vertex 900 (VERTEX_PINHOLE) is, and it has no estimate"));
+  }
+}
+
+}  // namespace
+}  // namespace quiver
