@@ -48,8 +48,9 @@ struct Options {
   /// Stop when the largest |gᵢ|/√Hᵢᵢ is below this part of √cost: when no column of the Jacobian makes a larger cosine
   /// with the residual, whatever the units.
   double gradientTolerance = 1e-10;
-  /// Stop when ‖Δ‖ / (‖x‖ + 1e-10) is below this and the cost changes by less than a hundred `costTolerance`, after a
-  /// damped step by less than one.
+  /// Stop when ‖Δ‖ / (‖x‖ + 1e-10) of a full step is below this and the cost falls no more: far from the origin, and
+  /// for robust kernels whose weights settle slowly, short steps alone prove nothing. With a `costTolerance` of 0 they
+  /// do.
   double stepTolerance = 1e-10;
   /// Edges of this level take part; −1 means all edges.
   int level = 0;
