@@ -51,12 +51,12 @@ requires(R >= 1 && C >= 1) struct Packing<Eigen::Matrix<double, R, C, Options, M
     QUIVER_UNROLL for (int j = 0; j < C; ++j) { QUIVER_UNROLL for (int i = 0; i < R; ++i) m(i, j) = in[i + j * R]; }
     return m;
   }
-  /// The matrix where its numbers lie, which are aligned as S is: a long one is not carried from there to the stack.
+  /// Whether numbers that lie as S does are such a matrix.
   template <class S>
-  static const Rebind<S>& view(const S* in) {
-    static_assert(sizeof(Rebind<S>) == size * sizeof(S) && alignof(Rebind<S>) == alignof(S));
-    return *reinterpret_cast<const Rebind<S>*>(in);
-  }
+  static constexpr bool viewable = sizeof(Rebind<S>) == size * sizeof(S) && alignof(Rebind<S>) <= alignof(S);
+  /// The matrix where its numbers lie: a long one is not carried from there to the stack.
+  template <class S>
+  requires(viewable<S>) static const Rebind<S>& view(const S* in) { return *reinterpret_cast<const Rebind<S>*>(in); }
 };
 
 template <>
