@@ -112,7 +112,7 @@ void subtractSquares(const double* tile, const RecordPair* pairs, std::int64_t c
   constexpr int vectors = rows / w;
   constexpr int columns = smaller(K, rows);
   constexpr int tail = recordTail(K);
-  using Half = VectorOf<smaller(w, 4)>::Type;
+  using Half = typename VectorOf<smaller(w, 4)>::Type;
   // Whether a column begins with half a vector: where its diagonal is in the second four rows of eight.
   constexpr auto halved = [](int c) { return w == 8 && c / 4 % 2 == 1; };
   typename VectorOf<w>::Type body[columns][vectors] = {};
