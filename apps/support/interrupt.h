@@ -5,7 +5,8 @@
 
 namespace quiver::app {
 
-/// While it lives, the first SIGINT or SIGTERM requests a stop, and the second ends the process at once. One at a time.
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP (unless ignored, as under nohup) requests a stop, and the second
+/// ends the process at once. One at a time.
 class Interrupt {
  public:
   Interrupt();

@@ -80,11 +80,13 @@ void SchurSystem::planReduced(const Options& options) {
     // Of S the diagonal blocks alone, for the preconditioner.
     natural = BlockPattern::fromPairs(elimination_.keptLayout(), {});
     conjugate_ = ConjugateReduction({options.linearTolerance, options.maxLinearIterations});
-    if (options.maxLinearIterations > 0) {
-      series_ = PowerSeries({options.linearTolerance, options.maxLinearIterations});
-    } else {
-      series_ = PowerSeries();
+    PowerSeries::Limits limits{.tolerance = options.linearTolerance, .terms = options.maxLinearIterations};
+    if (options.maxLinearIterations == 0) {
+      // Few terms reach a small residual; a looser one than usual may be asked for.
+      limits = {};
+      limits.tolerance = std::max(limits.tolerance, options.linearTolerance);
     }
+    series_ = PowerSeries(limits);
     solver_ = makeBlockSolver();
   }
   BlockOrdering ordering = solver_->order(natural);

@@ -11,6 +11,13 @@ namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
+/// Edges of a long way, whose vertices have no estimates.
+std::string chainOf(int edges) {
+  std::string text;
+  for (int i = 0; i < edges; ++i) text += fmt::format("EDGE_SE2 {} {} 1 0 0.1 100 0 0 100 0 400\n", i, i + 1);
+  return text;
+}
+
 class AlgorithmFlags : public CommandTest {};
 
 TEST_F(AlgorithmFlags, EverySolverNameOfG2oSetsAlgorithmAndSolver) {
@@ -46,15 +53,38 @@ TEST_F(AlgorithmFlags, ListShowsTheNames) {
 }
 
 TEST_F(AlgorithmFlags, StopsEarlyInLongWork) {
-  std::string text;
-  for (int i = 0; i < 400000; ++i) text += fmt::format("EDGE_SE2 {} {} 1 0 0.1 100 0 0 100 0 400\n", i, i + 1);
-  write("long.g2o", text);
+  write("long.g2o", chainOf(400000));
   // The signal comes early in whatever takes longest: reading, the initial guess, or the descent.
   const CommandResult result = run("optimize long.g2o -o out.g2o & sleep 0.3; kill -INT $!; wait $!");
   EXPECT_EQ(result.exitCode, 5) << result.out << result.err;
   const CommandResult twice = run("optimize long.g2o -o out.g2o & sleep 0.3; kill -INT $!; kill -INT $!; wait $!");
   // Both may arrive before the handler has seen the first; then they count as one.
   EXPECT_TRUE(twice.exitCode == 130 || twice.exitCode == 5) << twice.exitCode;
+}
+
+TEST_F(AlgorithmFlags, AHangupStopsWhatDoesNotIgnoreIt) {
+  write("long.g2o", chainOf(400000));
+  EXPECT_EQ(run("optimize long.g2o & sleep 0.3; kill -HUP $!; wait $!").exitCode, 5);
+  // As nohup starts it.
+  write("shorter.g2o", chainOf(100000));
+  const std::string ignoring =
+      fmt::format("--version; trap '' HUP; '{}' optimize shorter.g2o -o out.g2o & sleep 0.3; kill -HUP $!; wait $!",
+                  QUIVER_COMMAND);
+  EXPECT_EQ(run(ignoring).exitCode, 0);
+  EXPECT_TRUE(exists("out.g2o"));
+}
+
+TEST_F(AlgorithmFlags, IterativeSolversEndEarlierWhereLessIsAsked) {
+  ASSERT_EQ(run("simulate bundle -o in.bal --cameras 30 --points 600").exitCode, 0);
+  for (const std::string solver : {"pcg", "power"}) {
+    const auto products = [&](const std::string& more) {
+      const Json report = optimize("in.bal --iterations 3 --solver " + solver + more);
+      int sum = 0;
+      for (const Json& iteration : report["iterations"]) sum += iteration["linear_iterations"].get<int>();
+      return sum;
+    };
+    EXPECT_LT(products(" --linear-tolerance 0.9"), products("")) << solver;
+  }
 }
 
 TEST_F(AlgorithmFlags, NamesThatContradictOrDoNotExistAreRefused) {

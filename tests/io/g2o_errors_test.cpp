@@ -127,6 +127,8 @@ std::vector<Malformed> fieldsAndNumbers() {
       {"OverflowOfDigits", "VERTEX_SE2 0 " + std::string(400, '9') + " 0 0\n",
        "a.g2o:1:14: '" + std::string(40, '9') + "…' is too large for a double"},
       {"ZeroQuaternion", "VERTEX_SE3:QUAT 0 1 2 3 0 0 0 0\n", "a.g2o:1:31: a quaternion of norm zero is no rotation"},
+      {"LongQuaternion", "VERTEX_SE3:QUAT 0 1 2 3 1e200 0 0 1e200\n",
+       "a.g2o:1:35: a quaternion this long is no rotation"},
       {"WrongCount", poses + point + "EDGE_SE2_LOTSOFXY 0 7 || 2 1 2 1 0 1\n",
        "a.g2o:4:26: the number of points is not that of the vertices"},
       {"HugeCount", poses + point + "EDGE_SE2_LOTSOFXY 0 7 || 4611686018427387904 1 2 1 0 1\n",
