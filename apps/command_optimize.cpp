@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <quiver/apps/commands.h>
+#include <quiver/apps/optimize/marginals_file.h>
 #include <quiver/apps/optimize/optimize_flags.h>
 #include <quiver/apps/optimize/optimize_report.h>
 #include <quiver/apps/optimize/overrides.h>
@@ -32,8 +33,8 @@ class Run {
   explicit Run(const OptimizeFlags& flags) : flags_(flags), longWork_(flags.quiet) {}
 
   int run() {
-    checkOutputs({flags_.output, flags_.json});
-    checkInputsSpared({flags_.json}, {flags_.source.path});
+    checkOutputs({flags_.output, flags_.json, flags_.marginals});
+    checkInputsSpared({flags_.json, flags_.marginals}, {flags_.source.path});
     longWork_.reading(flags_.source.path);
     LoadedGraph loaded = loadGraph(flags_.source);
     longWork_.expect(loaded.graph);
@@ -54,16 +55,19 @@ class Run {
     }
     save(loaded);
     const Status status = report_.summary.status;
-    if (status == Status::numericalFailure || status == Status::memoryLimit)
-      tell(stderr, "{}: {}\n", displayName(flags_.source.path), report_.summary.reason);
-    return exitCodeOf(status);
+    const bool failed = status == Status::numericalFailure || status == Status::memoryLimit;
+    if (failed) tell(stderr, "{}: {}\n", displayName(flags_.source.path), report_.summary.reason);
+    if (!flags_.marginals.empty() && !report_.marginalsReason.empty())
+      tell(stderr, "{}: --marginals: {}\n", displayName(flags_.source.path), report_.marginalsReason);
+    const ExitCode exit = exitCodeOf(status);
+    return exit == exitSuccess && !report_.marginalsReason.empty() ? exitNumericalFailure : exit;
   }
 
  private:
   /// Where people are told what happens: standard output unless it carries data.
   std::FILE* stream() const {
     if (flags_.quiet) return nullptr;
-    return flags_.output == "-" || flags_.json == "-" ? stderr : stdout;
+    return flags_.output == "-" || flags_.json == "-" || flags_.marginals == "-" ? stderr : stdout;
   }
   void say(const std::string& sentence) const {
     if (stream()) tell(stream(), "{}\n", sentence);
@@ -92,26 +96,33 @@ class Run {
       throw GraphError(fmt::format("no vertex has {} dimensions, and others do not move", flags_.onlyDimension));
   }
 
-  void optimizeGraph(Graph& graph) {
+  /// Calls work(graph) with what the command line adds to the graph, and takes that back.
+  template <typename Work>
+  void withOverrides(Graph& graph, const Work& work) {
     Overrides overrides(graph);
     overrides.fix(flags_.fix);
-    if (kernel_ && overrides.setRobustKernels(*kernel_, *robustEdges_) == 0 && robustEdges_->loops())
-      say("--robust-edges loops: no edge of the graph closes a loop, so --robust changes nothing");
-    for (const std::string& note : idleEliminations(flags_, graph)) say(note);
+    noKernel_ = kernel_ && overrides.setRobustKernels(*kernel_, *robustEdges_) == 0;
     if (flags_.dialect == Dialect::logarithm) {
       Graph logarithmic = withLogarithmicEdges(graph);
-      solve(logarithmic);
+      work(logarithmic);
       copyEstimates(logarithmic, graph);
     } else {
-      solve(graph);
+      work(graph);
     }
     overrides.takeBack();
   }
 
+  void optimizeGraph(Graph& graph) {
+    for (const std::string& note : idleEliminations(flags_, graph)) say(note);
+    withOverrides(graph, [this](Graph& changed) {
+      if (noKernel_ && robustEdges_->loops())
+        say("--robust-edges loops: no edge of the graph closes a loop, so --robust changes nothing");
+      solve(changed);
+    });
+  }
+
   void solve(Graph& graph) {
-    Options options = makeOptions(flags_);
-    options.stopToken = interrupt_.token();
-    restrictDimension(graph, options);
+    Options options = optionsOf(graph);
     Progress progress(stream());
     options.callback = [&progress](const IterationReport& iteration) { progress.iteration(iteration); };
     options.phase = [this](std::string_view phase) { longWork_.tell(phase); };
@@ -130,7 +141,31 @@ class Run {
     progress.finish(report_.summary);
   }
 
-  void save(const LoadedGraph& loaded) {
+  Options optionsOf(Graph& graph) const {
+    Options options = makeOptions(flags_);
+    options.stopToken = interrupt_.token();
+    restrictDimension(graph, options);
+    return options;
+  }
+
+  /// Covariances where the descent ended by itself; what keeps them from being had is kept for the end.
+  void saveMarginals(Graph& graph) {
+    const ExitCode exit = exitCodeOf(report_.summary.status);
+    if (exit != exitSuccess) {
+      report_.marginalsReason = "not computed: the descent did not end at an estimate of its own";
+      return;
+    }
+    longWork_.tell("computing covariances");
+    Stopwatch watch;
+    withOverrides(graph, [&](Graph& changed) {
+      const Marginals marginals(changed, optionsOf(changed));
+      report_.marginalsReason = marginals.reason();
+      if (marginals.ok()) saveText(flags_.marginals, describeMarginals(marginals, changed));
+    });
+    report_.marginalsSeconds = watch.seconds();
+  }
+
+  void save(LoadedGraph& loaded) {
     Stopwatch watch;
     // A solve that was refused has no estimate of its own: an older output is worth more.
     if (!flags_.output.empty() && report_.summary.status != Status::memoryLimit) {
@@ -138,6 +173,7 @@ class Run {
       saveGraph(flags_.output, loaded.graph, flags_.source.threads);
     }
     report_.saveSeconds = watch.seconds();
+    if (!flags_.marginals.empty()) saveMarginals(loaded.graph);
     report_.totalSeconds = whole_.seconds();
     if (!flags_.json.empty()) saveJson(flags_.json, describeRun(report_, describeInput(flags_.source, loaded)));
   }
@@ -149,6 +185,8 @@ class Run {
   OptimizeReport report_;
   std::optional<RobustChoice> kernel_;
   std::optional<EdgeChoice> robustEdges_;
+  /// A kernel was asked for, and no edge has it.
+  bool noKernel_ = false;
 };
 
 }  // namespace
@@ -161,6 +199,7 @@ void addOptimizeCommand(CLI::App& parser, int& exitCode) {
       "Examples:\n"
       "  quiver optimize sphere.g2o -o optimised.g2o\n"
       "  quiver optimize city.g2o.gz --robust huber:1 --json report.json\n"
+      "  quiver optimize sphere.g2o --marginals covariances.txt\n"
       "  quiver optimize edges_only.g2o --init tree --algorithm lm --time-limit 10 -o out.g2o\n\n"
       "Exit codes: 0 converged, iteration limit, stalled or nothing to optimise; 1 internal error; 2 usage;\n"
       "3 bad input or plugin; 4 numerical failure or memory limit; 5 interrupted or out of time (best estimate "

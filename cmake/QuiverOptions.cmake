@@ -65,7 +65,7 @@ target_compile_options(quiver_flags INTERFACE -Wall -Wextra -Wno-psabi -fno-math
 
 # The public include folder: build/include/quiver/<folder> links to the source folder, so that
 # <quiver/core/...> is spelled the same in the build tree and after installation.
-set(QUIVER_PUBLIC_FOLDERS core geometry solvers initialization evaluation types_slam2d types_slam3d types_sba plugins)
+set(QUIVER_PUBLIC_FOLDERS core geometry solvers initialization smoothing evaluation types_slam2d types_slam3d types_sba plugins)
 set(QUIVER_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
 file(MAKE_DIRECTORY ${QUIVER_INCLUDE_DIR}/quiver)
 foreach(folder ${QUIVER_PUBLIC_FOLDERS})

@@ -34,7 +34,7 @@ quiver_compile("${quiver_kernels}" -O1)
 if(QUIVER_SANITIZE MATCHES "fuzzer")
   file(GLOB_RECURSE quiver_never_run
        ${PROJECT_SOURCE_DIR}/solvers/*.cpp ${PROJECT_SOURCE_DIR}/initialization/*.cpp
-       ${PROJECT_SOURCE_DIR}/evaluation/*.cpp ${PROJECT_SOURCE_DIR}/core/algorithm/*.cpp)
+       ${PROJECT_SOURCE_DIR}/smoothing/*.cpp ${PROJECT_SOURCE_DIR}/evaluation/*.cpp ${PROJECT_SOURCE_DIR}/core/algorithm/*.cpp)
   list(FILTER quiver_never_run EXCLUDE REGEX "/backends/cholmod/")
   quiver_compile("${quiver_never_run}" -O0 -g0 -fno-sanitize=all)
 endif()

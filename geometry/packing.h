@@ -6,8 +6,10 @@
 #include <quiver/geometry/se2.h>
 #include <quiver/geometry/se3.h>
 #include <quiver/geometry/sim3.h>
+#include <array>
 #include <concepts>
 #include <cstddef>
+#include <type_traits>
 
 namespace quiver {
 
@@ -19,6 +21,20 @@ namespace quiver {
 ///   store, load     to and from such an array, bit by bit; load works on any scalar, store on M.
 template <class M>
 struct Packing;
+
+namespace detail {
+
+/// The numbers of M's default: of M(), zeros for matrices, and for types that have none.
+template <class M>
+constexpr bool defaultMayThrow = !std::is_nothrow_default_constructible_v<M> && !std::is_trivially_destructible_v<M>;
+template <class M>
+inline auto defaultNumbers() noexcept(!defaultMayThrow<M>) {
+  std::array<double, static_cast<std::size_t>(Packing<M>::size)> numbers{};
+  if constexpr (std::is_default_constructible_v<M> && !requires { M::Zero(); }) Packing<M>::store(M(), numbers.data());
+  return numbers;
+}
+
+}  // namespace detail
 
 template <>
 struct Packing<double> {

@@ -176,6 +176,13 @@ void addOptimizeFlags(CLI::App& command, OptimizeFlags& flags) {
       ->type_name("SECONDS")
       ->check(numberFrom(0));
   addDialectOption(command, flags.dialect);
+  command
+      .add_option(
+          "--marginals", flags.marginals,
+          "Write the covariance of every vertex that moves here (- is standard output): tag, id, upper triangle. "
+          "The gauge is held for it, unless --gauge free says not to")
+      ->type_name("FILE")
+      ->check(outputPath());
   command.add_option("--json", flags.json, "Write a report of the run here (- is standard output)")
       ->type_name("FILE")
       ->check(outputPath());

@@ -16,6 +16,7 @@ struct OptimizeFlags {
   Dialect dialect = Dialect::g2o;
   std::string output;
   std::string json;
+  std::string marginals;
   /// "auto", "gn", "lm", "dogleg", or a name of g2o's.
   std::string algorithm = "auto";
   std::string solver = "auto";

@@ -98,6 +98,7 @@ Json describeRun(const OptimizeReport& report, const Json& input) {
                      {"compile", summary.seconds.compile},   {"analyze", summary.seconds.analyze},
                      {"optimize", summary.seconds.optimize}, {"save", report.saveSeconds},
                      {"total", report.totalSeconds}};
+  if (std::isfinite(report.marginalsSeconds)) json["seconds"]["marginals"] = report.marginalsSeconds;
   json["peak_memory_bytes"] = peakMemoryBytes();
   return json;
 }

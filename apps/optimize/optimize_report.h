@@ -1,5 +1,8 @@
 #pragma once
 
+#include <limits>
+#include <string>
+
 #include <nlohmann/json_fwd.hpp>
 
 #include <quiver/apps/support/initial_guess.h>
@@ -16,6 +19,9 @@ struct OptimizeReport {
   double loadSeconds = 0.0;
   double initializeSeconds = 0.0;
   double saveSeconds = 0.0;
+  /// NaN if no covariances were asked for; and what kept them from being had.
+  double marginalsSeconds = std::numeric_limits<double>::quiet_NaN();
+  std::string marginalsReason;
   double totalSeconds = 0.0;
 };
 

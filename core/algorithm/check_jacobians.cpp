@@ -143,7 +143,8 @@ class EdgeDifferences {
     return true;
   }
 
-  /// Far from the origin numbers are coarser, and errors as smooth as anywhere.
+  /// Far from the origin numbers are coarser, and errors as smooth as anywhere. Never a step that vanishes in them; a
+  /// power of two, which rounds as little as can be when it is added.
   double firstStep(int slot, int direction, int columns) const {
     constexpr double most = 1e3;
     const int count = problem_.layout().valueCount(slot);
@@ -152,7 +153,9 @@ class EdgeDifferences {
     for (int k = 0; k < count; ++k) {
       if (count != columns || k == direction) size = std::max(size, std::abs(values[k]));
     }
-    return step_ * std::min(most, std::cbrt(size));
+    constexpr double coarse = 64.0 * operations * std::numeric_limits<double>::epsilon();
+    const double step = std::max(step_ * std::min(most, std::cbrt(size)), coarse * size);
+    return std::isfinite(step) ? std::ldexp(1.0, std::ilogb(step)) : step_;
   }
 
   /// Of all estimates that an edge joins: what is added to which in its error, nobody knows.

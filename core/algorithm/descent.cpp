@@ -8,7 +8,7 @@
 
 #include <quiver/core/algorithm/diagnosis.h>
 #include <quiver/core/algorithm/graph_watch.h>
-#include <quiver/core/util/lane_sums.h>
+#include <quiver/core/util/pieces.h>
 
 namespace quiver {
 namespace {
@@ -31,19 +31,47 @@ class ShortText {
   fmt::memory_buffer text_;
 };
 
-/// The largest gᵢ²/dᵢ over positive d, divided only where it may grow.
-double largestQuotient(std::span<const double> g, std::span<const double> d) {
-  constexpr std::size_t chunk = 64;
+/// Of a gradient g: ‖g‖∞, the largest gᵢ²/dᵢ over positive d, and Σ 0 gᵢ, which is 0 if all is finite.
+struct GradientSize {
   double largest = 0.0;
+  double quotient = 0.0;
+  double zero = 0.0;
+};
+
+GradientSize joinSizes(const GradientSize& a, const GradientSize& b) {
+  return {std::max(a.largest, b.largest), std::max(a.quotient, b.quotient), a.zero + b.zero};
+}
+
+/// Divides only where the largest quotient may grow.
+GradientSize sizeOf(std::span<const double> g, std::span<const double> d) {
+  constexpr std::size_t chunk = 64;
+  constexpr std::size_t lanes = 8;
+  double largest[lanes] = {};
+  double zero[lanes] = {};
+  GradientSize size;
   for (std::size_t begin = 0; begin < g.size(); begin += chunk) {
     const std::size_t end = std::min(g.size(), begin + chunk);
     int above = 0;
-    for (std::size_t i = begin; i < end; ++i) above |= g[i] * g[i] > largest * d[i] ? 1 : 0;
+    for (std::size_t i = begin; i + lanes <= end; i += lanes) {
+      for (std::size_t k = 0; k < lanes; ++k) {
+        const double x = g[i + k];
+        largest[k] = std::max(largest[k], std::abs(x));
+        zero[k] += 0.0 * x;
+        above |= x * x > size.quotient * d[i + k] ? 1 : 0;
+      }
+    }
+    for (std::size_t i = end - (end - begin) % lanes; i < end; ++i) {
+      largest[0] = std::max(largest[0], std::abs(g[i]));
+      zero[0] += 0.0 * g[i];
+      above = 1;
+    }
     for (std::size_t i = begin; above != 0 && i < end; ++i) {
-      if (d[i] > 0.0) largest = std::max(largest, g[i] * g[i] / d[i]);
+      if (d[i] > 0.0) size.quotient = std::max(size.quotient, g[i] * g[i] / d[i]);
     }
   }
-  return largest;
+  size.largest = *std::max_element(largest, largest + lanes);
+  for (const double z : zero) size.zero += z;
+  return size;
 }
 
 }  // namespace
@@ -58,6 +86,17 @@ std::vector<double>& Descent::scratch(int number) {
   std::vector<double>& numbers = memory_.scratch[static_cast<std::size_t>(number)];
   numbers.assign(memory_.delta.size(), 0.0);
   return numbers;
+}
+
+DampingScale& Descent::dampingScale() {
+  if (!memory_.scale) memory_.scale.emplace(problem_);
+  return *memory_.scale;
+}
+
+int Descent::vectorThreads() const {
+  constexpr double nanosecondsPerNumber = 1.0;
+  return worthwhileThreads(readyThreads(problem_.threads()),
+                           nanosecondsPerNumber * static_cast<double>(problem_.scalars()));
 }
 
 std::string Descent::describeBadEdge(const CostTotals& totals) const {
@@ -104,10 +143,13 @@ bool Descent::begin() {
 bool Descent::measureGradient() {
   const auto gradient = system_.gradient();
   const auto diagonal = system_.diagonal();
-  gradient_ = largestInLanes(gradient.size(), [&](std::size_t i) { return std::abs(gradient[i]); });
-  scaledGradient_ = std::sqrt(largestQuotient(gradient, diagonal));
-  // Zero times what is finite is zero; the largest number does not tell.
-  if (sumInLanes(gradient.size(), [&](std::size_t i) { return 0.0 * gradient[i]; }) == 0.0) return true;
+  const auto part = [&](std::size_t begin, std::size_t end) {
+    return sizeOf(gradient.subspan(begin, end - begin), diagonal.subspan(begin, end - begin));
+  };
+  const GradientSize size = overPieces(gradient.size(), vectorThreads(), part, joinSizes);
+  gradient_ = size.largest;
+  scaledGradient_ = std::sqrt(size.quotient);
+  if (size.zero == 0.0) return true;  // the largest number does not tell
   finish(Status::numericalFailure, describeBadJacobian(problem_));
   return false;
 }
@@ -200,7 +242,7 @@ bool Descent::stopRuleMet(double costBefore) {
     finish(Status::converged, "the cost is zero");
     return true;
   }
-  if (change < options_.costTolerance * std::abs(totals_.cost)) {
+  if (change < options_.costTolerance * std::abs(totals_.cost) && !(damping_ == 0.0 && goesToAndFro(costBefore))) {
     finish(Status::converged, ShortText("the cost changed by {:.2e} of itself, less than {:.0e} is asked",
                                         change / totals_.cost, options_.costTolerance));
     return true;
@@ -273,14 +315,39 @@ void Descent::finishWithoutProspect(double predicted) {
          ShortText("no step can lower the cost by more than {:.2e} of itself", predicted / totals_.cost));
 }
 
-bool Descent::atRest(bool fullStep) const {
+bool Descent::atRest(bool fullStep) {
   constexpr double littleStep = 1e-7;
   constexpr double littleDamping = 1e-3;
   constexpr double fallen = 1e-16;
   if (!(options_.costTolerance > 0.0) || !(totals_.cost >= 0.0)) return false;
   if (totals_.cost > negligibleCost * static_cast<double>(problem_.edges())) return false;
-  return totals_.cost <= fallen * summary_.initialCost ||
-         (fullStep && damping_ <= littleDamping && relativeStep_ <= littleStep);
+  const bool still = totals_.cost <= fallen * summary_.initialCost ||
+                     (fullStep && damping_ <= littleDamping && relativeStep_ <= littleStep);
+  return still && !followsGradient();
+}
+
+bool Descent::followsGradient() {
+  // H and D differ by at most the number of variables that an edge joins or so, so that the way is nearly straight.
+  constexpr double share = 1.0 / 1024.0;
+  const auto gradient = system_.gradient();
+  const auto diagonal = system_.diagonal();
+  std::vector<double> step(gradient.size(), 0.0);
+  double promised = 0.0;
+  for (std::size_t i = 0; i < step.size(); ++i) {
+    if (!(diagonal[i] > 0.0)) continue;
+    step[i] = -share * gradient[i] / diagonal[i];
+    promised -= 2.0 * gradient[i] * step[i];
+  }
+  problem_.retract(step);
+  const double kept = problem_.evaluate(problem_.trial()).cost;
+  const double fallen = totals_.cost - kept;
+  return fallen > 0.5 * promised && fallen < 1.5 * promised;
+}
+
+bool Descent::goesToAndFro(double costBefore) const {
+  constexpr double steep = 1e4;
+  const double tolerance = options_.costTolerance * std::abs(totals_.cost);
+  return std::abs(costBefore - totals_.cost) < tolerance && scaledGradient_ * scaledGradient_ > steep * tolerance;
 }
 
 void Descent::finishAtRest() {
@@ -315,11 +382,11 @@ void Descent::end() {
   system_.addSeconds(report_.seconds);
   if (bestSaved_ && totals_.cost > bestTotals_.cost) {
     const double settled = totals_.cost;
-    const bool rests = atRest(true);
+    const bool above = summary_.status == Status::converged && settled > bestTotals_.cost * (1.0 + 1e-9) &&
+                       relativeStep_ > options_.stepTolerance && !atRest(true);
     problem_.restoreBest();
     totals_ = bestTotals_;
-    if (summary_.status == Status::converged && settled > bestTotals_.cost * (1.0 + 1e-9) && !rests &&
-        relativeStep_ > options_.stepTolerance) {
+    if (above) {
       finish(Status::stalled, "full steps settle at a cost above the lowest met, which is kept; try --algorithm lm");
     }
   }

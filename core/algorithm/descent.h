@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string_view>
 #include <vector>
 
+#include <quiver/core/algorithm/damping_scale.h>
 #include <quiver/core/algorithm/linear_system.h>
 #include <quiver/core/algorithm/options.h>
 #include <quiver/core/algorithm/summary.h>
@@ -17,6 +19,7 @@ namespace quiver {
 struct DescentMemory {
   std::vector<double> delta;
   std::array<std::vector<double>, 5> scratch;
+  std::optional<DampingScale> scale;
 };
 
 /// What Gauss–Newton, Levenberg–Marquardt and dogleg share: the state of a descent, its stopping rules, its report.
@@ -43,9 +46,13 @@ class Descent {
   /// Ends since the best step lowers the cost by so little.
   void finishWithoutProspect(double predicted);
   /// Whether the step tried last could do nothing that matters: the cost is next to nothing beside the number of edges,
-  /// and a full step is next to nothing beside the estimate, or the cost has fallen to what rounding leaves of the
-  /// first. Rounding of constants that errors hold keeps a cost of zero from being reached and says so nowhere else.
-  bool atRest(bool fullStep) const;
+  /// a full step is next to nothing beside the estimate, or the cost has fallen to what rounding leaves of the first,
+  /// and it does not follow its gradient any more. Rounding of constants that errors hold keeps a cost of zero from
+  /// being reached and says so nowhere else. Evaluates trials, so whatever was tried is lost.
+  bool atRest(bool fullStep);
+  /// Whether the last accepted step left the cost as it was, though a single coordinate could lower it: full steps that
+  /// leap from one side of a minimum to the other do that.
+  bool goesToAndFro(double costBefore) const;
   /// Ends there.
   void finishAtRest();
   /// Ends because a linear system could not be solved, in words that name the vertex.
@@ -64,6 +71,9 @@ class Descent {
   std::vector<double>& delta() { return memory_.delta; }
   /// Vector 0 … 4 of an algorithm's own, zeros, as long as delta.
   std::vector<double>& scratch(int number);
+  DampingScale& dampingScale();
+  /// Threads that a loop over delta is worth at the moment.
+  int vectorThreads() const;
   const Options& options() const { return options_; }
   const StopCondition& stop() const { return stop_; }
   void setDamping(double damping) { report_.damping = damping_ = damping; }
@@ -77,6 +87,8 @@ class Descent {
   /// Whether the cost is what the rounding of estimates makes of errors that are zero.
   bool costIsRounding() const;
   bool costRests(double costBefore) const;
+  /// Whether a little of the way along −D⁻¹g, D = diag(H), the cost falls as its gradient says.
+  bool followsGradient();
   /// What rounding of estimates makes of a cost of zero, about: Σ Hᵢᵢ (εx)². O(scalars).
   double roundings() const;
   /// The gradient where the system was linearised last; false, and the end, if it is not finite.
@@ -110,11 +122,11 @@ class Descent {
 /// the descent: the caller may go on with damping.
 bool gaussNewton(Descent& descent, bool careful);
 
-/// Damped steps (H + λ D) δ = −g, D = diag(H) kept within [1e-6, 1e32]; λ follows the ratio of actual to predicted
+/// Damped steps (H + λ D) δ = −g, D of DampingScale; λ follows the ratio of actual to predicted
 /// decrease.
 void levenbergMarquardt(Descent& descent);
 
-/// Powell's dogleg: steps of at most a radius in the norm δᵀDδ, D = diag(H) kept within [1e-6, 1e32], on the path from
+/// Powell's dogleg: steps of at most a radius in the norm δᵀDδ, D of DampingScale, on the path from
 /// the minimum along the scaled gradient to the full step. A smaller radius needs no new factorisation. Where H is not
 /// positive definite the full step is that of H + μD, μ as small as serves.
 void dogleg(Descent& descent);

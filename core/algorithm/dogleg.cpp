@@ -2,14 +2,12 @@
 #include <cmath>
 #include <limits>
 
+#include <quiver/core/algorithm/damping_scale.h>
 #include <quiver/core/algorithm/descent.h>
 
 namespace quiver {
 namespace {
 
-/// Bounds of D, as in Levenberg–Marquardt.
-constexpr double leastScale = 1e-6;
-constexpr double mostScale = 1e32;
 /// A step counts if it brings this share of the predicted decrease.
 constexpr double acceptedShare = 1e-3;
 /// Where H is not positive definite, H + μD is factored, μ from the least to the most of these.
@@ -39,8 +37,8 @@ class DoglegPath {
   /// Computes both steps; factors once, again only where H is not positive definite.
   LinearOutcome compute(Descent& descent) {
     LinearSystem& system = descent.system();
-    const auto diagonal = system.diagonal();
-    for (std::size_t i = 0; i < scale_.size(); ++i) scale_[i] = std::clamp(diagonal[i], leastScale, mostScale);
+    descent.dampingScale().update(system.diagonal());
+    descent.dampingScale().scale(1.0, descent.vectorThreads(), scale_);
     const auto gradient = system.gradient();
     for (std::size_t i = 0; i < cauchy_.size(); ++i) cauchy_[i] = -gradient[i] / scale_[i];
     system.multiply(cauchy_, product_);

@@ -121,6 +121,33 @@ std::vector<double> slotGenerators(const Problem& problem, std::vector<std::int6
   return all;
 }
 
+/// A basis of the same columns in which each has a row of its own where it is 1 and the others are 0: shifts and turns
+/// come apart as far as they can, whatever the units of length.
+Eigen::MatrixXd separated(Eigen::MatrixXd basis) {
+  constexpr double rounding = 1e-10;
+  std::vector<char> used(static_cast<std::size_t>(basis.rows()), 0);
+  for (Eigen::Index s = 0; s < basis.cols(); ++s) {
+    Eigen::Index row = 0, column = s;
+    double largest = 0.0;
+    for (Eigen::Index c = s; c < basis.cols(); ++c) {
+      for (Eigen::Index r = 0; r < basis.rows(); ++r) {
+        if (used[static_cast<std::size_t>(r)] || !(std::abs(basis(r, c)) > largest)) continue;
+        largest = std::abs(basis(r, c));
+        row = r;
+        column = c;
+      }
+    }
+    if (largest == 0.0) break;
+    used[static_cast<std::size_t>(row)] = 1;
+    basis.col(s).swap(basis.col(column));
+    basis.col(s) /= basis(row, s);
+    for (Eigen::Index c = 0; c < basis.cols(); ++c) {
+      if (c != s) basis.col(c) -= basis(row, c) * basis.col(s);
+    }
+  }
+  return basis.unaryExpr([](double x) { return std::abs(x) > rounding ? x : 0.0; });
+}
+
 /// Combinations of generators, a column each: eigenvectors with eigenvalues below `zero` of the rows and columns `live`
 /// of a matrix that is scaled by the roots of `scale`.
 Combinations nullSpace(const Generators& matrix, std::span<const double> scale, const std::vector<int>& live,
@@ -135,10 +162,9 @@ Combinations nullSpace(const Generators& matrix, std::span<const double> scale, 
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   const auto count = (eigen.eigenvalues().array() < zero).count();
   Combinations result = Combinations::Zero(gaugeDirections, count);
-  for (std::size_t a = 0; a < live.size(); ++a) {
-    result.row(live[a]) =
-        eigen.eigenvectors().row(static_cast<int>(a)).head(count) / std::sqrt(scale[static_cast<std::size_t>(live[a])]);
-  }
+  const Eigen::MatrixXd basis = separated(eigen.eigenvectors().leftCols(count));
+  for (std::size_t a = 0; a < live.size(); ++a)
+    result.row(live[a]) = basis.row(static_cast<int>(a)) / std::sqrt(scale[static_cast<std::size_t>(live[a])]);
   return result;
 }
 

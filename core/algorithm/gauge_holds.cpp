@@ -13,15 +13,20 @@ namespace {
 /// Combinations that span the same motions, each of mean square 1 over `scalars` tangent directions; those that move
 /// nothing are left out.
 GaugeCombinations independent(const GaugeCombinations& combinations, const GaugeProducts& gram, double scalars) {
-  const Eigen::MatrixXd products = combinations.transpose() * gram * combinations;
+  // Each is brought to the same length of motion first, lest rounding decide which are left out.
+  const Eigen::VectorXd lengths = (combinations.transpose() * gram * combinations).diagonal().cwiseSqrt();
+  GaugeCombinations even = combinations;
+  for (Eigen::Index i = 0; i < even.cols(); ++i) {
+    if (lengths[i] > 0.0) even.col(i) /= lengths[i];
+  }
+  const Eigen::MatrixXd products = even.transpose() * gram * even;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(products);
   const double largest = eigen.eigenvalues().size() > 0 ? eigen.eigenvalues().maxCoeff() : 0.0;
   GaugeCombinations result(gaugeDirections, 0);
   for (Eigen::Index i = 0; i < eigen.eigenvalues().size(); ++i) {
     if (!(eigen.eigenvalues()[i] > 1e-13 * largest)) continue;
     result.conservativeResize(Eigen::NoChange, result.cols() + 1);
-    result.col(result.cols() - 1) =
-        combinations * eigen.eigenvectors().col(i) * std::sqrt(scalars / eigen.eigenvalues()[i]);
+    result.col(result.cols() - 1) = even * eigen.eigenvectors().col(i) * std::sqrt(scalars / eigen.eigenvalues()[i]);
   }
   return result;
 }

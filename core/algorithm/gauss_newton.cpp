@@ -66,8 +66,17 @@ bool gaussNewton(Descent& descent, bool careful) {
       descent.finish(Status::stalled, "a full step leads to errors that are not finite; try --algorithm lm");
       return true;
     }
-    detours = above ? detours + 1 : 0;
     if (descent.accept(trial)) return true;
+    const bool idle = descent.goesToAndFro(before);
+    detours = above || idle ? detours + 1 : 0;
+    if (idle && detours > mostDetours) {
+      if (careful) {
+        descent.returnToBest();
+        return false;
+      }
+      descent.finish(Status::stalled, "full steps go to and fro and leave the cost as it is; try --algorithm lm");
+      return true;
+    }
     chord = std::abs(before - trial.cost) <= chordChange * before;
   }
   return true;

@@ -1,15 +1,16 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <span>
 
+#include <quiver/core/algorithm/damping_scale.h>
 #include <quiver/core/algorithm/descent.h>
 #include <quiver/core/util/lane_sums.h>
+#include <quiver/core/util/pieces.h>
 
 namespace quiver {
 namespace {
 
-/// Bounds of D, as in Ceres: directions that no edge constrains are damped, huge ones do not overflow.
-constexpr double leastScale = 1e-6;
-constexpr double mostScale = 1e32;
 constexpr double leastDamping = 1e-16;
 constexpr double mostDamping = 1e16;
 /// A step counts if it brings this share of the predicted decrease.
@@ -36,6 +37,18 @@ class Damping {
   double growth_ = 2.0;
 };
 
+/// cost(x) − model(δ) = −gᵀδ + δᵀ(λD)δ.
+double predictedDecrease(std::span<const double> delta, std::span<const double> gradient,
+                         std::span<const double> damping, int threads) {
+  const auto part = [&](std::size_t begin, std::size_t end) {
+    const double* const step = delta.data() + begin;
+    const double* const damped = damping.data() + begin;
+    const double* const slope = gradient.data() + begin;
+    return sumInLanes(end - begin, [&](std::size_t i) { return step[i] * (damped[i] * step[i] - slope[i]); });
+  };
+  return overPieces(delta.size(), threads, part, std::plus<>());
+}
+
 }  // namespace
 
 void levenbergMarquardt(Descent& descent) {
@@ -43,23 +56,21 @@ void levenbergMarquardt(Descent& descent) {
   std::vector<double>& delta = descent.delta();
   std::vector<double>& scaled = descent.scratch(0);
   Damping damping(descent.options().initialDamping);
+  DampingScale& scale = descent.dampingScale();
+  scale.update(system.diagonal());
   int failures = 0;
   while (!descent.exhausted()) {
-    const auto diagonal = system.diagonal();
-    for (std::size_t i = 0; i < scaled.size(); ++i)
-      scaled[i] = damping.value() * std::clamp(diagonal[i], leastScale, mostScale);
+    scale.scale(damping.value(), descent.vectorThreads(), scaled);
     descent.setDamping(damping.value());
     const LinearOutcome outcome = system.solve(scaled, delta, descent.stop());
     if (outcome.kind == LinearOutcome::Kind::interrupted || outcome.kind == LinearOutcome::Kind::memoryLimit)
       return descent.fail(outcome);
     descent.setLinearIterations(outcome.iterations);
-    double predicted = 0.0;  // cost(x) − model(δ) = −gᵀδ + δᵀ(λD)δ
+    double predicted = 0.0;
     double ratio = -1.0;
     CostTotals trial;
     if (outcome.ok()) {
-      const auto gradient = system.gradient();
-      predicted =
-          sumInLanes(delta.size(), [&](std::size_t i) { return delta[i] * (scaled[i] * delta[i] - gradient[i]); });
+      predicted = predictedDecrease(delta, system.gradient(), scaled, descent.vectorThreads());
       trial = descent.tryStep();
       const double actual = descent.totals().cost - trial.cost;
       ratio = trial.finite() && predicted > 0.0 ? actual / predicted : -1.0;
@@ -71,6 +82,7 @@ void levenbergMarquardt(Descent& descent) {
       damping.succeed(ratio);
       failures = 0;
       if (descent.accept(trial)) return;
+      scale.update(system.diagonal());
       continue;
     }
     descent.reject();

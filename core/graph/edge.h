@@ -108,7 +108,7 @@ class MeasurementStore<M> {
   const double* values() const { return values_.data(); }
 
  private:
-  std::array<double, static_cast<std::size_t>(Packing<M>::size)> values_{};
+  std::array<double, static_cast<std::size_t>(Packing<M>::size)> values_ = defaultNumbers<M>();
 };
 
 /// Keeps the upper triangle of a symmetric matrix, row by row.

@@ -50,7 +50,7 @@ class BaseParameter : public Parameter {
   const double* values() const { return values_.data(); }
 
  private:
-  std::array<double, static_cast<std::size_t>(Packing<ValueType>::size)> values_{};
+  std::array<double, static_cast<std::size_t>(Packing<ValueType>::size)> values_ = detail::defaultNumbers<ValueType>();
 };
 
 /// The parameters an edge type uses, in the order in which files list their ids and `computeError` takes their values.

@@ -98,7 +98,8 @@ class BaseVertex : public Vertex {
   int valueCount() const { return Packing<EstimateType>::size; }
 
  private:
-  std::array<double, static_cast<std::size_t>(Packing<EstimateType>::size)> values_{};
+  std::array<double, static_cast<std::size_t>(Packing<EstimateType>::size)> values_ =
+      detail::defaultNumbers<EstimateType>();
 };
 
 /// A vector whose size is known at run time only.

@@ -1,35 +1,64 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <type_traits>
 
 #include <quiver/geometry/linear.h>
+#include <quiver/geometry/packing.h>
 
 namespace quiver::detail {
 
 inline constexpr double differenceStep = 6.055454452393343e-06;  // cube root of the double's epsilon
 
-/// The first step of a central difference along one direction of a tangent: ε^⅓ times the cube root of the size of what
-/// it moves, at least 1. Of a coordinate x the error's rounding is ε|x|, so that (ε|x|)^⅓ loses least where the error
-/// bends over lengths of about 1, however far away the world's origin is (UTM coordinates, say).
-template <typename Estimate>
+/// A first step for a coordinate of that size: ε^⅓ times the cube root of the size, at least 1. Of a coordinate x the
+/// error's rounding is ε|x|, so that (ε|x|)^⅓ loses least where the error bends over lengths of about 1, however far
+/// away the world's origin is (UTM coordinates, say). Never so short that it would vanish in the coordinate, and a
+/// power of two, so that adding it rounds as little as can be.
+inline double differenceStepOf(double size) {
+  constexpr double roundings = 64.0 * std::numeric_limits<double>::epsilon();
+  const double step = std::max(differenceStep * std::cbrt(std::max(1.0, size)), roundings * size);
+  return std::isfinite(step) ? std::ldexp(1.0, std::ilogb(step)) : differenceStep;
+}
+
+/// The largest number of an estimate of any type among those that one direction of its tangent moves.
+template <typename Vertex, typename Estimate>
+inline double sizeMoved(const Estimate& x, int direction) {
+  constexpr double noticeable = 1e-8;  // of the largest number
+  std::array<double, static_cast<std::size_t>(Packing<Estimate>::size)> before{};
+  auto after = before;
+  Packing<Estimate>::store(x, before.data());
+  double largest = 1.0;
+  for (const double number : before) largest = std::max(largest, std::abs(number));
+  Vector<double, Vertex::dimension> delta = Vector<double, Vertex::dimension>::Zero();
+  delta[direction] = std::max(differenceStep, noticeable * largest);
+  Packing<Estimate>::store(Vertex::oplus(x, delta), after.data());
+  double size = 0.0;
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    if (after[k] != before[k]) size = std::max(size, std::abs(before[k]));
+  }
+  return size;
+}
+
+/// The first step of a central difference along one direction of a vertex's tangent, by what it moves.
+template <typename Vertex, typename Estimate>
 inline double firstDifferenceStep(const Estimate& x, int direction) {
-  const auto stepOf = [](double size) { return differenceStep * std::cbrt(std::max(1.0, size)); };
   if constexpr (std::is_same_v<Estimate, double>) {
-    return stepOf(std::abs(x));
+    return differenceStepOf(std::abs(x));
   } else if constexpr (requires { x.translation(); }) {
     // Translation comes first in every tangent; it moves in metres, rotation and scale in radians and logarithms.
-    if (direction >= x.translation().size()) return differenceStep;
-    return stepOf(x.translation().cwiseAbs().maxCoeff());
+    return differenceStepOf(direction < x.translation().size() ? x.translation().cwiseAbs().maxCoeff() : 1.0);
   } else if constexpr (requires {
                          x.size();
                          x[0];
                        }) {
-    return direction < x.size() ? stepOf(std::abs(x[direction])) : differenceStep;
+    return differenceStepOf(direction < x.size() ? std::abs(x[direction]) : 1.0);
+  } else if constexpr (Vertex::dimension > 0 && requires { Packing<Estimate>::size; }) {
+    return differenceStepOf(sizeMoved<Vertex>(x, direction));
   } else {
-    return differenceStep;
+    return differenceStepOf(1.0);
   }
 }
 

@@ -285,7 +285,7 @@ class DynamicBatch final : public EdgeBatch {
                   estimate = Vertex::oplus(original, delta);
                   return Calls::template error<double>(typed(i), m, p, x);
                 };
-                differentiateColumn(firstDifferenceStep(original, c), error, errorAt, J[place].col(c));
+                differentiateColumn(firstDifferenceStep<Vertex>(original, c), error, errorAt, J[place].col(c));
                 delta[c] = 0.0;
                 estimate = original;
               }

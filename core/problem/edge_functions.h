@@ -72,6 +72,13 @@ struct EdgeFunctions<E, std::tuple<V...>, ParameterList<P...>> {
   static constexpr bool retracts = (vertexRetracts<V, S> && ...);
 };
 
+/// Whether the type has something of that name, be it of the right form or not. (Of several overloads one cannot ask.)
+template <typename E>
+constexpr bool namesJacobian = requires {
+  &E::linearizeOplus;
+}
+|| requires { &E::template linearizeOplus<double>; };
+
 /// Whether `Jacobians::…` is what the type insists on.
 template <typename E>
 constexpr Jacobians requestedJacobians() {

@@ -33,6 +33,9 @@ struct EdgeFormOf {
                 "`auto` would return an expression of what is gone by then");
   static_assert(requested != Jacobians::analytic || hasAnalytic,
                 "jacobians = analytic needs linearizeOplus(measurement, estimates…, Matrix<S, N, D>&…)");
+  static_assert(requested != Jacobians::automatic || hasAnalytic || !namesJacobian<E>,
+                "linearizeOplus is there, but does not take (measurement, parameters…, estimates…, Matrix<S, N, D>&…) "
+                "with a block of N rows and D columns for every vertex");
   static_assert(
       requested != Jacobians::dual || hasDual,
       "jacobians = dual needs computeError and the vertices' oplus as templates that return exactly Vector<S, N>");

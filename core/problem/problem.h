@@ -65,6 +65,14 @@ class Problem {
   /// variable all of whose directions are held becomes a constant.
   void holdDirections(std::span<const HeldDirections> holds);
 
+  /// Variables of one type and dimension that are neighbours.
+  struct Run {
+    const VertexType* type;
+    int begin;
+    int end;
+  };
+  std::span<const Run> runs() const { return runs_; }
+
   int batches() const { return static_cast<int>(batches_.size()); }
   const EdgeBatch& batch(int i) const { return *batches_[static_cast<std::size_t>(i)]; }
   const EdgeType& edgeType(int batch) const { return *edgeTypes_[static_cast<std::size_t>(batch)]; }
@@ -128,12 +136,6 @@ class Problem {
   std::vector<const EdgeType*> edgeTypes_;
   std::int64_t edges_ = 0;
   std::vector<std::int64_t> isolated_;
-  /// Variables of one type and dimension that are neighbours, and where the record of each variable lies.
-  struct Run {
-    const VertexType* type;
-    int begin;
-    int end;
-  };
   /// Σ x² over the values of variables begin … end − 1.
   double squaredValues(int begin, int end) const;
 

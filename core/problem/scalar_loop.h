@@ -20,7 +20,7 @@ inline void differentiate(const E& edge, const typename Loop::Functions::templat
       std::get<I>(x) = Vertex::oplus(original, delta);
       return Loop::template callError<double>(edge, m, p, x);
     };
-    differentiateColumn(firstDifferenceStep(original, c), error, errorAt, std::get<I>(J).col(c));
+    differentiateColumn(firstDifferenceStep<Vertex>(original, c), error, errorAt, std::get<I>(J).col(c));
   }
   std::get<I>(x) = original;
 }

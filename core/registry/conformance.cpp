@@ -250,7 +250,7 @@ class Conformance {
         parameters.push_back(nextParameter++);
       }
       Edge& edge = graph.addEdge(type, vertices, parameters);
-      readRandom(type, edge, static_cast<std::int64_t>(vertices.size()) - 1);
+      readRandom(type, edge, std::max<std::int64_t>(1, static_cast<std::int64_t>(vertices.size()) - 1));
       Edge& other = graph.addEdge(type, vertices, parameters);
       checkRoundTrip(type, edge, other, !type.variableArity() && type.errorDimension() != Dynamic);
       graph.removeEdge(other);

@@ -46,6 +46,8 @@ class VertexTypeOf final : public VertexType {
  public:
   VertexTypeOf(std::string tag, std::string documentation)
       : VertexType(std::move(tag), typeName<V>(), std::move(documentation)) {
+    static_assert(ReadsItself<V> == WritesItself<V>,
+                  "a type that reads its own fields writes them too, and vice versa");
     static_assert(alignof(V) <= 8, "a vertex may not ask for more alignment than a double");
     static_assert(
         requires(const typename V::Estimate& x, const Vector<double, V::dimension>& delta) {
@@ -239,6 +241,8 @@ class EdgeTypeOf final : public EdgeType {
  public:
   EdgeTypeOf(std::string tag, std::string documentation)
       : EdgeType(std::move(tag), typeName<E>(), std::move(documentation)) {
+    static_assert(ReadsItself<E> == WritesItself<E>,
+                  "a type that reads its own fields writes them too, and vice versa");
     static_assert(alignof(E) <= 8, "an edge may not ask for more alignment than a double");
     static_assert(E::errorDimension == Dynamic || E::errorDimension >= 1, "an error has at least one number");
     static_assert(Roles::lastAlone(), "only the last of an edge's vertices may be AnyNumberOf<V>");

@@ -49,6 +49,14 @@ int hardwareThreads() {
 #endif
 }
 
+int readyThreads(int threads) {
+#ifdef QUIVER_OPENMP
+  return threads;
+#else
+  return std::min(threads, 1 + detail::ThreadPool::instance().awake());
+#endif
+}
+
 int worthwhileThreads(int threads, double nanoseconds) {
   // Waking a sleeping thread takes six times as long, but between the loops of a solve threads do not sleep, and
   // meeting one that waits takes less than a microsecond.

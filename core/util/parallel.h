@@ -13,6 +13,11 @@ int hardwareThreads();
 /// it in costs. At least 1.
 int worthwhileThreads(int threads, double nanoseconds);
 
+/// How many of `threads` threads could begin at once. The others sleep: waking them costs as much as some ten thousand
+/// numbers, and more on a busy machine. It changes from moment to moment, so it may decide nothing but who does the
+/// work.
+int readyThreads(int threads);
+
 /// Calls task(0) … task(count − 1), each exactly once, on at most `threads` threads, and returns when all are done.
 ///
 /// Which thread runs which task is not fixed, so tasks must write to memory of their own; what a loop computes must

@@ -1,5 +1,6 @@
 #include <quiver/core/util/thread_pool.h>
 
+#include <algorithm>
 #include <system_error>
 
 namespace quiver::detail {
@@ -39,9 +40,21 @@ ThreadPool::~ThreadPool() {
 
 bool ThreadPool::insideTask() { return inside; }
 
-void ThreadPool::work(Loop& loop) {
+ThreadPool::Loop::Loop(FunctionRef<void(std::int64_t)> what, std::int64_t count, int helpers)
+    : task(what), openings(helpers), runCount(std::min(helpers + 1, mostRuns)) {
+  for (int r = 0; r < runCount; ++r) {
+    Run& run = runs[static_cast<std::size_t>(r)];
+    run.next.store(count * r / runCount, std::memory_order_relaxed);
+    run.end = count * (r + 1) / runCount;
+  }
+}
+
+void ThreadPool::work(Loop& loop, int run) {
   inside = true;
-  for (std::int64_t i = loop.next.fetch_add(1); i < loop.count; i = loop.next.fetch_add(1)) loop.task(i);
+  for (int k = 0; k < loop.runCount; ++k) {
+    Run& tasks = loop.runs[static_cast<std::size_t>((run + k) % loop.runCount)];
+    for (std::int64_t i = tasks.next.fetch_add(1); i < tasks.end; i = tasks.next.fetch_add(1)) loop.task(i);
+  }
   inside = false;
 }
 
@@ -50,9 +63,10 @@ void ThreadPool::startThreads(int count) {
   // Asking for the number of cores reads a file, 6 µs: not in every loop.
   const std::size_t cores = std::thread::hardware_concurrency();
   while (static_cast<int>(threads_.size()) < count) {
-    const bool ownCore = threads_.size() + 1 < cores;
+    const auto number = static_cast<int>(threads_.size()) + 1;
+    const bool ownCore = static_cast<std::size_t>(number) < cores;
     try {
-      threads_.emplace_back([this, ownCore] { help(ownCore ? spins : spinsBeyondMachine); });
+      threads_.emplace_back([this, number, ownCore] { help(number, ownCore ? spins : spinsBeyondMachine); });
     } catch (const std::system_error&) {
       return;  // those there are do the work
     }
@@ -60,9 +74,9 @@ void ThreadPool::startThreads(int count) {
 }
 
 void ThreadPool::run(std::int64_t count, int helpers, FunctionRef<void(std::int64_t)> task) {
-  Loop loop{task, count, {}, helpers};
+  Loop loop(task, count, helpers);
   const std::unique_lock alone(callers_, std::try_to_lock);
-  if (!alone.owns_lock()) return work(loop);
+  if (!alone.owns_lock()) return work(loop, 0);
   startThreads(helpers);
   {
     const std::lock_guard lock(mutex_);
@@ -70,7 +84,7 @@ void ThreadPool::run(std::int64_t count, int helpers, FunctionRef<void(std::int6
     published_.fetch_add(1);
   }
   wake_.notify_all();
-  work(loop);
+  work(loop, 0);
   {
     const std::lock_guard lock(mutex_);
     loop_ = nullptr;  // nobody joins from here on
@@ -88,10 +102,12 @@ void ThreadPool::waitForHelpers() {
   }
 }
 
-void ThreadPool::help(int looks) {
+void ThreadPool::help(int number, int looks) {
   std::uint64_t seen = 0;
   while (true) {
+    awake_.fetch_add(1, std::memory_order_relaxed);
     for (int i = 0; i < looks && published_.load(std::memory_order_relaxed) == seen; ++i) pause();
+    awake_.fetch_sub(1, std::memory_order_relaxed);
     Loop* loop = nullptr;
     {
       std::unique_lock lock(mutex_);
@@ -105,7 +121,7 @@ void ThreadPool::help(int looks) {
       }
     }
     if (loop == nullptr) continue;
-    work(*loop);
+    work(*loop, number);
     active_.fetch_sub(1, std::memory_order_release);
   }
 }

@@ -104,17 +104,37 @@ inline Dual<T, N> log(const Dual<T, N>& x) {
   return x.scaled(log(x.value), T(1.0) / x.value);
 }
 
-/// x to a constant power; the gradient at x = 0 is 0.
+namespace detail {
+/// The slope of x^e along x, e x^(e−1), where p = x^e; 0 at x = 0 unless e is 1.
+template <class T>
+inline T powerSlope(const T& x, const T& e, const T& p) {
+  const auto other = abs(e - T(1.0)) > T(0.0);
+  return select(other, quotientOrZero(e * p, x), T(1.0));
+}
+inline double powerSlope(double x, double e, double p) { return e == 1.0 ? 1.0 : quotientOrZero(e * p, x); }
+}  // namespace detail
+
+/// x to a constant power; the gradient at x = 0 is 0 but for the power 1.
 template <class T, int N>
 inline Dual<T, N> pow(const Dual<T, N>& x, double exponent) {
   using std::pow;
   const T p = pow(x.value, exponent);
-  return x.scaled(p, detail::quotientOrZero(T(exponent) * p, x.value));
+  return x.scaled(p, detail::powerSlope(x.value, T(exponent), p));
 }
 
+/// x to a power; where x is not positive, the gradient along the exponent, which does not exist there, is 0.
 template <class T, int N>
 inline Dual<T, N> pow(const Dual<T, N>& x, const Dual<T, N>& exponent) {
-  return exp(exponent * log(x));
+  using std::log, std::pow;
+  const T p = pow(x.value, exponent.value);
+  const auto positive = x.value > T(0.0);
+  const T alongBase = detail::powerSlope(x.value, exponent.value, p);
+  const T alongExponent = select(positive, p * log(select(positive, x.value, T(1.0))), T(0.0));
+  Dual<T, N> r;
+  r.value = p;
+  QUIVER_UNROLL for (int i = 0; i < N; ++i) r.gradient[i] =
+      alongBase * x.gradient[i] + alongExponent * exponent.gradient[i];
+  return r;
 }
 
 /// A constant to a power.

@@ -42,6 +42,10 @@ inline Lanes<Isa> pow(const Lanes<Isa>& x, const std::type_identity_t<Lanes<Isa>
   return detail::byLibm(std::pow, x, y);
 }
 template <class Isa>
+inline Lanes<Isa> pow(double base, const Lanes<Isa>& y) {
+  return detail::byLibm(std::pow, Lanes<Isa>(base), y);
+}
+template <class Isa>
 inline Lanes<Isa> hypot(const Lanes<Isa>& x, const std::type_identity_t<Lanes<Isa>>& y) {
   return detail::byLibm(std::hypot, x, y);
 }

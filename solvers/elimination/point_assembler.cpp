@@ -148,7 +148,7 @@ CostTotals PointAssembler::linearize(const State& state, PhaseSeconds& seconds) 
     linearizePiece(state, static_cast<std::size_t>(p), workspaces_[static_cast<std::size_t>(p)]);
   });
   seconds.linearize += watch.lap();
-  constexpr int chunk = 64;
+  constexpr int chunk = 8;
   const int kept = plan_->kept();
   parallelFor((kept + chunk - 1) / chunk, threads_, [&](std::int64_t c) {
     const int end = std::min(kept, static_cast<int>(c + 1) * chunk);

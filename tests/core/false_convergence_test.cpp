@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <quiver/core/algorithm/optimizer.h>
 #include <quiver/core/graph/robust_kernels.h>
+#include <quiver/quiver.h>
+#include <quiver/types_slam2d/edge_se2_prior.h>
 
 #include "ring_graph.h"
 
@@ -172,6 +174,66 @@ TEST(FalseConvergence, AShortStepFarAwayIsNoEndWhileTheCostFalls) {
       const Summary summary = optimize(far, options);
       EXPECT_EQ(summary.status, Status::converged) << algorithm << ' ' << distance;
       EXPECT_NEAR(summary.finalCost, expected.finalCost, 1e-7 * expected.finalCost) << algorithm << ' ' << distance;
+    }
+  }
+}
+
+/// √|x| with the sign of x: a full step leads from x to −x, where the cost is the same.
+class EdgeSignedRoot : public BaseEdge<EdgeSignedRoot, 2, Vector<double, 2>, VertexPoint> {
+ public:
+  template <typename S>
+  static Vector<S, 2> computeError(const Vector<S, 2>&, const Vector<S, 2>& x) {
+    using std::abs, std::sqrt;
+    Vector<S, 2> e;
+    for (int i = 0; i < 2; ++i) e[i] = x[i] < 0.0 ? S(-sqrt(S(abs(x[i])))) : S(sqrt(S(abs(x[i]))));
+    return e;
+  }
+};
+
+TEST(FalseConvergence, StepsToAndFroAreNoEnd) {
+  auto registry = makeRegistry();
+  registry->addEdge<EdgeSignedRoot>("EDGE_SIGNED_ROOT");
+  for (const std::string algorithm : {"auto", "gn", "lm", "dogleg"}) {
+    Graph graph(registry);
+    for (int i = 0; i < 10; ++i) {
+      graph.addVertex<VertexPoint>(i, Vector<double, 2>(4.0 + i, -3.0 - i));
+      graph.addEdge<EdgeSignedRoot>({i}, Vector<double, 2>(0.0, 0.0), Matrix<double, 2, 2>::Identity());
+    }
+    const Summary summary = optimize(graph, {.maxIterations = 300, .algorithm = algorithm});
+    if (algorithm == "gn") {
+      EXPECT_EQ(summary.status, Status::stalled) << summary.reason;
+      EXPECT_THAT(summary.reason, HasSubstr("to and fro"));
+    } else {
+      EXPECT_LT(summary.finalCost, 1e-3 * summary.initialCost) << algorithm << ": " << summary.reason;
+    }
+  }
+}
+
+/// A chain far from the origin, exact in itself, that two weak positions pull aside.
+TEST(FalseConvergence, ARejectedStepIsNoEndWhileTheCostFollowsItsGradient) {
+  for (const std::string algorithm : {"lm", "gn", "dogleg", "auto"}) {
+    for (const double away : {0.0, 5e5, 5e6}) {
+      Graph graph(builtinRegistry());
+      constexpr int count = 20;
+      for (int i = 0; i < count; ++i)
+        graph.addVertex<VertexSE2>(i, SE2<double>(away + i, 0.1 * away + 0.5 * i, 0.05 * i));
+      const auto pose = [&](int i) { return graph.vertex<VertexSE2>(i).estimate(); };
+      for (int i = 0; i < count; ++i) {
+        for (const int j : {i + 1, i + 5}) {
+          if (j < count)
+            graph.addEdge<EdgeSE2>({i, j}, pose(i).between(pose(j)), 0.01 * Matrix<double, 3, 3>::Identity());
+        }
+      }
+      std::vector<Vector<double, 2>> places;
+      for (const int k : {5, 11}) {
+        places.emplace_back(pose(k).translation() + Vector<double, 2>(300.0, -150.0));
+        auto& edge = graph.addEdge<EdgePriorSE2XY>({k}, places.back(), 1e-6 * Matrix<double, 2, 2>::Identity());
+        if (algorithm == "auto") edge.setRobustKernel(RobustKernelHuber(1.0));
+      }
+      const Summary summary = optimize(graph, {.maxIterations = 1000, .algorithm = algorithm});
+      EXPECT_EQ(summary.status, Status::converged) << algorithm << " " << away << ": " << summary.reason;
+      EXPECT_LT((pose(5).translation() - places[0]).norm(), 0.01) << algorithm << " " << away << ": " << summary.reason;
+      EXPECT_LT((pose(11).translation() - places[1]).norm(), 0.01) << algorithm << " " << away;
     }
   }
 }

@@ -63,6 +63,21 @@ TYPED_TEST(DualOverLanesTest, AgreeWithDualsOverDouble) {
   }
 }
 
+TEST(DualTest, PowersAreRightWhereLogarithmsAreNot) {
+  using D = Dual<double, 2>;
+  const D zero(0.0, 0), negative(-2.0, 0);
+  EXPECT_EQ(pow(zero, 1.0).gradient[0], 1.0);
+  EXPECT_EQ(pow(zero, D(1.0)).gradient[0], 1.0);
+  EXPECT_EQ(pow(zero, 2.0).gradient[0], 0.0);
+  EXPECT_EQ(pow(zero, 0.5).gradient[0], 0.0);
+  EXPECT_EQ(pow(negative, D(2.0)).value, 4.0);
+  EXPECT_EQ(pow(negative, D(2.0)).gradient[0], -4.0);
+  EXPECT_EQ(pow(negative, D(3.0)).gradient[0], 12.0);
+  EXPECT_EQ(pow(negative, D(3.0, 1)).gradient[1], 0.0);
+  EXPECT_NEAR(pow(D(2.0, 0), D(3.0, 1)).gradient[1], 8.0 * std::log(2.0), 1e-14);
+  EXPECT_NEAR(pow(D(2.0, 0), D(3.0, 1)).gradient[0], 12.0, 1e-14);
+}
+
 TEST(DualTest, DegeneratePointsHaveFiniteGradients) {
   using D = Dual<double, 2>;
   const D zeroX(0.0, 0), zeroY(0.0, 1), oneX(1.0, 0);

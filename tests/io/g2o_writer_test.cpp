@@ -190,6 +190,21 @@ class CommaNumbers : public std::numpunct<char> {
   std::string do_grouping() const override { return "\3"; }
 };
 
+TEST(G2oWriter, RefusesAttachmentsThatWouldBeReadAsElements) {
+  const auto refuses = [](std::vector<std::string> before, std::vector<std::string> after) {
+    Graph graph = everything();
+    graph.attachment(*graph.findVertex(3)) = {std::move(before), std::move(after)};
+    EXPECT_THROW((void)graphText(graph), GraphError);
+  };
+  refuses({"hello"}, {});
+  refuses({"ROBOTLASER1 1 2"}, {});
+  refuses({}, {"FIX 3"});
+  refuses({}, {"  VERTEX_XY 17 1 2"});
+  Graph graph = everything();
+  graph.attachment(*graph.findVertex(3)) = {{"# fine", "", "  # too"}, {"ROBOTLASER1 1 2"}};
+  EXPECT_NO_THROW((void)graphText(graph));
+}
+
 TEST(G2oWriter, DoesNotDependOnTheLocale) {
   const std::string text = graphText(everything());
   const std::string before = std::setlocale(LC_ALL, nullptr);

@@ -61,12 +61,30 @@ class ElementWriter final : public FieldWriter {
     if (item.edge) writeEdge(*item.edge);
   }
 
+  /// Text that was attached: never a line that would be read as an element.
   void lines(const std::vector<std::string>& lines) {
     for (const std::string& line : lines) {
       if (line.find('\n') != std::string::npos) throw GraphError("a comment or data line may not hold a line's end");
+      const std::size_t begin = line.find_first_not_of(" \t\r");
+      const std::string word =
+          begin == std::string::npos ? "" : line.substr(begin, line.find_first_of(" \t\r", begin) - begin);
+      const Registry& registry = *graph_.registry();
+      if (word == "FIX" || registry.findVertexType(word) || registry.findEdgeType(word) ||
+          registry.findParameterType(word))
+        throw GraphError(fmt::format("the attached line '{}' would be read as an element", line));
       out_.text(line);
       out_.character('\n');
     }
+  }
+
+  /// Text before an element is comments: a data line would belong to the element above.
+  void comments(const std::vector<std::string>& texts) {
+    for (const std::string& line : texts) {
+      const std::size_t begin = line.find_first_not_of(" \t\r");
+      if (begin != std::string::npos && line[begin] != '#')
+        throw GraphError(fmt::format("the line '{}' before an element is no comment: begin it with #", line));
+    }
+    lines(texts);
   }
 
   void fix(const Vertex& vertex) {
@@ -83,7 +101,7 @@ class ElementWriter final : public FieldWriter {
   std::string_view tag(const ElementType& type) const { return toro_ ? detail::toroTag(type.tag()) : type.tag(); }
   const Attachment* begin(const void* element) {
     const Attachment* attachment = graph_.findAttachment(element);
-    if (attachment) lines(attachment->before);
+    if (attachment) comments(attachment->before);
     return attachment;
   }
   void endLine(const Attachment* attachment) {

@@ -1,0 +1,70 @@
+#include <quiver/core/algorithm/damping_scale.h>
+
+#include <algorithm>
+
+#include <quiver/core/util/pieces.h>
+
+namespace quiver {
+namespace {
+
+/// Least entry of D as a share of the largest of its coordinate, and the largest number.
+constexpr double leastShare = 1e-14;
+constexpr double most = 1e32;
+/// Where no vertex of the type is measured in a coordinate, any positive number keeps them in place.
+constexpr double unmeasured = 1.0;
+/// Bounds are repeated so often that loops over several variables are loops over vectors.
+constexpr std::size_t repeats = 8;
+
+}  // namespace
+
+DampingScale::DampingScale(const Problem& problem) {
+  for (const Problem::Run& run : problem.runs()) {
+    const auto dimension = static_cast<std::size_t>(problem.dimension(run.begin));
+    const auto begin = static_cast<std::size_t>(problem.offset(run.begin));
+    const auto count = static_cast<std::size_t>(run.end - run.begin);
+    classes_.push_back({begin, begin + count * dimension, dimension, least_.size()});
+    least_.resize(least_.size() + repeats * dimension);
+  }
+}
+
+void DampingScale::update(std::span<const double> diagonal) {
+  diagonal_ = diagonal;
+  for (const Class& own : classes_) {
+    const std::size_t period = repeats * own.dimension;
+    double* const bounds = least_.data() + own.bounds;
+    std::fill_n(bounds, period, 0.0);
+    for (std::size_t begin = own.begin; begin < own.end; begin += period) {
+      const std::size_t count = std::min(period, own.end - begin);
+      for (std::size_t k = 0; k < count; ++k) bounds[k] = std::max(bounds[k], diagonal[begin + k]);
+    }
+    for (std::size_t c = 0; c < own.dimension; ++c) {
+      double largest = 0.0;
+      for (std::size_t k = c; k < period; k += own.dimension) largest = std::max(largest, bounds[k]);
+      const double least = largest > 0.0 ? std::min(most, leastShare * largest) : unmeasured;
+      for (std::size_t k = c; k < period; k += own.dimension) bounds[k] = least;
+    }
+  }
+}
+
+void DampingScale::scale(double lambda, int threads, std::span<double> out) const {
+  const auto part = [&](std::size_t begin, std::size_t end) {
+    for (const Class& own : classes_) scaleRange(own, lambda, std::max(begin, own.begin), std::min(end, own.end), out);
+    return true;
+  };
+  overPieces(out.size(), threads, part, [](bool a, bool b) { return a && b; });
+}
+
+void DampingScale::scaleRange(const Class& own, double lambda, std::size_t begin, std::size_t end,
+                              std::span<double> out) const {
+  const std::size_t period = repeats * own.dimension;
+  const double* const bounds = least_.data() + own.bounds;
+  while (begin < end) {
+    const std::size_t place = (begin - own.begin) % period;
+    const std::size_t count = std::min(period - place, end - begin);
+    for (std::size_t k = 0; k < count; ++k)
+      out[begin + k] = lambda * std::clamp(diagonal_[begin + k], bounds[place + k], most);
+    begin += count;
+  }
+}
+
+}  // namespace quiver

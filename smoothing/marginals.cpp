@@ -1,0 +1,212 @@
+#include <quiver/smoothing/marginals.h>
+
+#include <algorithm>
+#include <unordered_map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <quiver/core/algorithm/diagnosis.h>
+#include <quiver/core/algorithm/gauge_policy.h>
+#include <quiver/core/problem/problem.h>
+#include <quiver/core/util/error.h>
+#include <quiver/core/util/parallel.h>
+#include <quiver/smoothing/selected_inverse.h>
+#include <quiver/solvers/assembly/assembler.h>
+#include <quiver/solvers/assembly/assembly_plan.h>
+#include <quiver/solvers/block/ordering.h>
+#include <quiver/solvers/normal_equations.h>
+
+namespace quiver {
+
+struct Marginals::Contents {
+  /// What is known of a vertex: a variable has a block of the inverse, a constant none.
+  struct Known {
+    enum class Kind { variable, constant, unseen, undetermined };
+    Kind kind = Kind::constant;
+    int dimension = 0;
+    int variable = -1;
+    std::int64_t offset = 0;
+    std::uint64_t held = 0;
+  };
+
+  GaugeReport gauge;
+  std::string reason;
+  SelectedInverse inverse;
+  std::unordered_map<std::int64_t, Known> vertices;
+  std::int64_t scalars = 0;
+
+  void compute(Graph& graph, const Options& options);
+  void list(const Problem& problem);
+  void invert(Problem& problem, const Options& options);
+  void markUndetermined(const Problem& problem, const BlockMatrix& matrix);
+  std::string describeFailure(const Problem& problem, const Options& options) const;
+  std::vector<std::int64_t> idsOf(Known::Kind kind) const;
+  const Known& known(std::int64_t id) const;
+  Eigen::MatrixXd block(std::int64_t a, std::int64_t b) const;
+};
+
+namespace {
+
+/// Rows of directions that are held are zero.
+void clearHeld(std::uint64_t held, Eigen::MatrixXd& block) {
+  for (Eigen::Index i = 0; held != 0 && i < block.rows() && i < 64; ++i) {
+    if (held >> i & 1) block.row(i).setZero();
+  }
+}
+
+}  // namespace
+
+void Marginals::Contents::compute(Graph& graph, const Options& options) {
+  Problem problem(graph, {options.level, options.free, options.threads > 0 ? options.threads : hardwareThreads()});
+  problem.setRobustCorrection(options.robustCorrection);
+  Options holding = options;
+  if (holding.gauge == GaugePolicy::automatic) holding.gauge = GaugePolicy::fix;
+  if (problem.variables() > 0) settleGauge(problem, holding, false, gauge);
+  list(problem);
+  if (problem.variables() > 0) invert(problem, options);
+}
+
+void Marginals::Contents::list(const Problem& problem) {
+  const Graph& graph = problem.graph();
+  graph.forEachVertex(
+      [&](const Vertex& vertex) { vertices[vertex.id()].dimension = graph.typeOf(vertex).dimension(vertex); });
+  for (const std::int64_t id : problem.isolated()) vertices[id].kind = Known::Kind::unseen;
+  for (int v = 0; v < problem.variables(); ++v) {
+    Known& vertex = vertices[problem.vertex(problem.slotOfVariable(v)).id()];
+    vertex = {Known::Kind::variable, problem.dimension(v), v, problem.offset(v), problem.heldDirections(v)};
+  }
+  scalars = problem.scalars();
+}
+
+void Marginals::Contents::invert(Problem& problem, const Options& options) {
+  const BlockLayout layout(std::vector<int>(problem.dimensions().begin(), problem.dimensions().end()));
+  BlockMatrix matrix(
+      std::make_shared<const BlockPattern>(BlockPattern::fromPairs(layout, AssemblyPlan::variablePairs(problem))));
+  std::vector<double> gradient(static_cast<std::size_t>(scalars));
+  std::vector<double> diagonal(static_cast<std::size_t>(scalars));
+  PhaseSeconds seconds;
+  Assembler assembler(problem, matrix, naturalOrdering(problem.variables()).order, problem.threads());
+  const CostTotals totals = assembler.assemble(problem.state(), matrix, gradient, diagonal, seconds);
+  if (!totals.finite()) {
+    const Edge& edge = problem.batch(totals.badBatch).edge(totals.badEdge);
+    reason = fmt::format("covariances do not exist: the error of edge {} {} is not finite",
+                         problem.edgeType(totals.badBatch).tag(), fmt::join(edge.vertexIds(), " "));
+    return;
+  }
+  inverse = SelectedInverse(matrix);
+  markUndetermined(problem, matrix);
+  if (idsOf(Known::Kind::variable).empty()) reason = describeFailure(problem, options);
+}
+
+/// A coordinate that the inverse leaves out stands for the direction n with H n = 0 that has 1 there and 0 at the
+/// others left out: n = e − H⁺ H e. Whatever n moves is not determined.
+void Marginals::Contents::markUndetermined(const Problem& problem, const BlockMatrix& matrix) {
+  constexpr double moves = 1e-6;
+  std::vector<double> unit(static_cast<std::size_t>(scalars), 0.0);
+  Eigen::VectorXd column(scalars);
+  for (const auto& [variable, coordinate] : inverse.pinned()) {
+    const auto at = static_cast<std::size_t>(problem.offset(variable) + coordinate);
+    unit[at] = 1.0;
+    matrix.multiply(unit, {column.data(), static_cast<std::size_t>(scalars)});
+    unit[at] = 0.0;
+    Eigen::VectorXd direction = -inverse.solve(column);
+    direction[static_cast<Eigen::Index>(at)] = 1.0;
+    const double least = moves * direction.cwiseAbs().maxCoeff();
+    for (auto& [id, vertex] : vertices) {
+      if (vertex.kind == Known::Kind::variable &&
+          !(direction.segment(vertex.offset, vertex.dimension).cwiseAbs().maxCoeff() <= least))
+        vertex.kind = Known::Kind::undetermined;
+    }
+  }
+}
+
+std::vector<std::int64_t> Marginals::Contents::idsOf(Known::Kind kind) const {
+  std::vector<std::int64_t> ids;
+  for (const auto& [id, vertex] : vertices) {
+    if (vertex.kind == kind) ids.push_back(id);
+  }
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+std::string Marginals::Contents::describeFailure(const Problem& problem, const Options& options) const {
+  NormalEquations equations;
+  equations.analyze(problem, options, problem.threads());
+  equations.linearize(problem.state());
+  const LinearOutcome outcome{.kind = LinearOutcome::Kind::notPositiveDefinite,
+                              .variable = inverse.pinned().front().block,
+                              .coordinate = inverse.pinned().front().coordinate};
+  // Told as to a damped descent: damping is no remedy for a covariance that does not exist.
+  return "covariances do not exist: " + diagnoseFailure(problem, equations, outcome, true);
+}
+
+const Marginals::Contents::Known& Marginals::Contents::known(std::int64_t id) const {
+  const auto found = vertices.find(id);
+  if (found == vertices.end()) throw GraphError(fmt::format("no vertex {}: it has no covariance", id));
+  if (found->second.kind == Known::Kind::unseen)
+    throw GraphError(fmt::format("vertex {} is free and no active edge touches it: it has no covariance", id));
+  if (found->second.kind == Known::Kind::undetermined)
+    throw GraphError(fmt::format("vertex {} is not constrained in every direction: it has no covariance", id));
+  return found->second;
+}
+
+Eigen::MatrixXd Marginals::Contents::block(std::int64_t a, std::int64_t b) const {
+  if (!reason.empty()) throw GraphError(reason);
+  const Known& row = known(a);
+  const Known& column = known(b);
+  if (row.kind == Known::Kind::constant || column.kind == Known::Kind::constant)
+    return Eigen::MatrixXd::Zero(row.dimension, column.dimension);
+  Eigen::MatrixXd block;
+  if (auto selected = inverse.find(row.variable, column.variable)) {
+    block = std::move(*selected);
+  } else {
+    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(scalars, column.dimension);
+    unit.middleRows(column.offset, column.dimension).setIdentity();
+    block = inverse.solve(unit).middleRows(row.offset, row.dimension);
+  }
+  clearHeld(row.held, block);
+  Eigen::MatrixXd transposed = block.transpose();
+  clearHeld(column.held, transposed);
+  return transposed.transpose();
+}
+
+Marginals::Marginals(Graph& graph, const Options& options) : contents_(std::make_unique<Contents>()) {
+  options.validate();
+  contents_->compute(graph, options);
+}
+Marginals::~Marginals() = default;
+Marginals::Marginals(Marginals&&) noexcept = default;
+Marginals& Marginals::operator=(Marginals&&) noexcept = default;
+
+bool Marginals::ok() const { return contents_->reason.empty(); }
+const std::string& Marginals::reason() const { return contents_->reason; }
+const GaugeReport& Marginals::gauge() const { return contents_->gauge; }
+
+std::vector<std::int64_t> Marginals::vertices() const { return contents_->idsOf(Contents::Known::Kind::variable); }
+std::vector<std::int64_t> Marginals::undetermined() const {
+  return contents_->idsOf(Contents::Known::Kind::undetermined);
+}
+
+Eigen::MatrixXd Marginals::covariance(std::int64_t id) const { return contents_->block(id, id); }
+Eigen::MatrixXd Marginals::covariance(std::int64_t a, std::int64_t b) const { return contents_->block(a, b); }
+
+Eigen::MatrixXd Marginals::joint(std::span<const std::int64_t> ids) const {
+  Eigen::Index scalars = 0;
+  for (const std::int64_t id : ids) scalars += contents_->known(id).dimension;
+  Eigen::MatrixXd joint(scalars, scalars);
+  Eigen::Index column = 0;
+  for (std::size_t j = 0; j < ids.size(); ++j) {
+    Eigen::Index row = column;
+    for (std::size_t i = j; i < ids.size(); ++i) {
+      const Eigen::MatrixXd block = contents_->block(ids[i], ids[j]);
+      joint.block(row, column, block.rows(), block.cols()) = block;
+      joint.block(column, row, block.cols(), block.rows()) = block.transpose();
+      row += block.rows();
+    }
+    column += contents_->known(ids[j]).dimension;
+  }
+  return joint;
+}
+
+}  // namespace quiver

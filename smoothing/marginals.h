@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <quiver/core/algorithm/options.h>
+#include <quiver/core/algorithm/summary.h>
+#include <quiver/core/graph/graph.h>
+
+namespace quiver {
+
+/// Covariances of the estimates of a graph: blocks of H⁻¹, H = Σ JᵀJ whitened by information and robust kernels, at the
+/// estimates that the graph has now. Call it where a descent has converged; elsewhere H says little.
+///
+/// A block is in the tangent of its vertices, in the order and units of VertexType::tangentNames (poses: metres, then
+/// radians, in the body frame). Information matrices are taken at their word: no factor is estimated from residuals.
+/// Along directions that are fixed, and along those by which the gauge is held, covariances are zero: what remains is
+/// relative to them. Landmarks and poses alike are had in any combination, whatever solver made the estimates.
+///
+/// A snapshot: later changes of the graph do not reach it.
+class Marginals {
+ public:
+  /// Of `options` counts what defines the problem: level, free, robustCorrection, threads, and gauge, where automatic
+  /// means fix. Throws GraphError as `optimize` does for a graph that cannot be compiled. About three factorisations of
+  /// all variables at once, on one thread, and twice the memory of the factor. The graph is not changed.
+  explicit Marginals(Graph& graph, const Options& options = {});
+  ~Marginals();
+  Marginals(Marginals&&) noexcept;
+  Marginals& operator=(Marginals&&) noexcept;
+
+  /// Whether some vertex has a covariance, or there is none to have one; otherwise `reason` names a vertex and the
+  /// directions that nothing constrains, or an error that is not finite.
+  bool ok() const;
+  const std::string& reason() const;
+  /// What was held so that H has an inverse.
+  const GaugeReport& gauge() const;
+  /// Vertices that have a covariance, ascending: those that move and that edges constrain in every direction.
+  std::vector<std::int64_t> vertices() const;
+  /// Vertices that edges touch but leave free in some direction, as a point seen from one place: their covariance is
+  /// not finite, and the others' do not depend on them.
+  std::vector<std::int64_t> undetermined() const;
+
+  /// dimension × dimension, zero for a vertex that is fixed. GraphError if the graph has no such vertex, or if it has
+  /// no covariance. O(1) for pairs of one edge and for single vertices, else O(nonzeros of the factor) for each scalar
+  /// of `b`.
+  Eigen::MatrixXd covariance(std::int64_t id) const;
+  /// E[δa δbᵀ]: rows of a, columns of b.
+  Eigen::MatrixXd covariance(std::int64_t a, std::int64_t b) const;
+  /// Of several vertices together, in the order given.
+  Eigen::MatrixXd joint(std::span<const std::int64_t> ids) const;
+
+ private:
+  struct Contents;
+  std::unique_ptr<Contents> contents_;
+};
+
+}  // namespace quiver
