@@ -17,18 +17,10 @@
 
 namespace quiver::detail {
 
-template <typename T>
-concept ReadsItself = requires(T& element, FieldReader& reader) {
-  element.read(reader);
-};
-template <typename T>
-concept WritesItself = requires(const T& element, FieldWriter& writer) {
-  element.write(writer);
-};
-
 /// Fields of a type: its own list, or those of its value.
 template <typename T, typename Value>
 std::vector<Field> fieldsOf() {
+  static_assert(ReadsItself<T> == WritesItself<T>, "a type that reads its own fields writes them too, and vice versa");
   if constexpr (requires {
                   { T::fields() } -> std::convertible_to<std::vector<Field>>;
                 }) {
@@ -46,8 +38,6 @@ class VertexTypeOf final : public VertexType {
  public:
   VertexTypeOf(std::string tag, std::string documentation)
       : VertexType(std::move(tag), typeName<V>(), std::move(documentation)) {
-    static_assert(ReadsItself<V> == WritesItself<V>,
-                  "a type that reads its own fields writes them too, and vice versa");
     static_assert(alignof(V) <= 8, "a vertex may not ask for more alignment than a double");
     static_assert(
         requires(const typename V::Estimate& x, const Vector<double, V::dimension>& delta) {
@@ -241,8 +231,6 @@ class EdgeTypeOf final : public EdgeType {
  public:
   EdgeTypeOf(std::string tag, std::string documentation)
       : EdgeType(std::move(tag), typeName<E>(), std::move(documentation)) {
-    static_assert(ReadsItself<E> == WritesItself<E>,
-                  "a type that reads its own fields writes them too, and vice versa");
     static_assert(alignof(E) <= 8, "an edge may not ask for more alignment than a double");
     static_assert(E::errorDimension == Dynamic || E::errorDimension >= 1, "an error has at least one number");
     static_assert(Roles::lastAlone(), "only the last of an edge's vertices may be AnyNumberOf<V>");

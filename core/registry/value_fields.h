@@ -77,6 +77,16 @@ struct ValueFields<SO2<double>> {
 
 namespace detail {
 
+/// Types that take the place of their value's fields: both or neither.
+template <typename T>
+concept ReadsItself = requires(T& element, FieldReader& reader) {
+  element.read(reader);
+};
+template <typename T>
+concept WritesItself = requires(const T& element, FieldWriter& writer) {
+  element.write(writer);
+};
+
 inline SO3<double> rotationOf(const FieldReader& reader, double x, double y, double z, double w) {
   const double square = x * x + y * y + z * z + w * w;
   if (!std::isfinite(square)) reader.fail("a quaternion this long is no rotation");
