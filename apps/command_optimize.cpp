@@ -60,7 +60,8 @@ class Run {
     if (!flags_.marginals.empty() && !report_.marginalsReason.empty())
       tell(stderr, "{}: --marginals: {}\n", displayName(flags_.source.path), report_.marginalsReason);
     const ExitCode exit = exitCodeOf(status);
-    return exit == exitSuccess && !report_.marginalsReason.empty() ? exitNumericalFailure : exit;
+    if (exit != exitSuccess || report_.marginalsReason.empty()) return exit;
+    return report_.marginalsStopped ? exitInterrupted : exitNumericalFailure;
   }
 
  private:
@@ -158,9 +159,12 @@ class Run {
     longWork_.tell("computing covariances");
     Stopwatch watch;
     withOverrides(graph, [&](Graph& changed) {
-      const Marginals marginals(changed, optionsOf(changed));
+      Options options = optionsOf(changed);
+      options.timeLimit = std::max(0.0, flags_.timeLimit - whole_.seconds());
+      const Marginals marginals(changed, options);
       report_.marginalsReason = marginals.reason();
       if (marginals.ok()) saveText(flags_.marginals, describeMarginals(marginals, changed));
+      report_.marginalsStopped = !marginals.ok() && StopCondition(options.timeLimit, options.stopToken).reached();
     });
     report_.marginalsSeconds = watch.seconds();
   }

@@ -85,6 +85,12 @@ void Marginals::Contents::invert(Problem& problem, const Options& options) {
       std::make_shared<const BlockPattern>(BlockPattern::fromPairs(layout, AssemblyPlan::variablePairs(problem))));
   std::vector<double> gradient(static_cast<std::size_t>(scalars));
   std::vector<double> diagonal(static_cast<std::size_t>(scalars));
+  const StopCondition stop(options.timeLimit, options.stopToken);
+  const std::int64_t bytes = options.memoryLimit > 0 ? SelectedInverse::predictBytes(matrix.pattern()) : 0;
+  if (bytes > options.memoryLimit) {
+    reason = fmt::format("covariances would take about {} bytes, {} are allowed", bytes, options.memoryLimit);
+    return;
+  }
   PhaseSeconds seconds;
   Assembler assembler(problem, matrix, naturalOrdering(problem.variables()).order, problem.threads());
   const CostTotals totals = assembler.assemble(problem.state(), matrix, gradient, diagonal, seconds);
@@ -94,7 +100,11 @@ void Marginals::Contents::invert(Problem& problem, const Options& options) {
                          problem.edgeType(totals.badBatch).tag(), fmt::join(edge.vertexIds(), " "));
     return;
   }
-  inverse = SelectedInverse(matrix);
+  inverse = SelectedInverse(matrix, stop);
+  if (inverse.stopped()) {
+    reason = "interrupted while covariances were computed, or out of time";
+    return;
+  }
   markUndetermined(problem, matrix);
   if (idsOf(Known::Kind::variable).empty()) reason = describeFailure(problem, options);
 }
@@ -183,7 +193,9 @@ bool Marginals::ok() const { return contents_->reason.empty(); }
 const std::string& Marginals::reason() const { return contents_->reason; }
 const GaugeReport& Marginals::gauge() const { return contents_->gauge; }
 
-std::vector<std::int64_t> Marginals::vertices() const { return contents_->idsOf(Contents::Known::Kind::variable); }
+std::vector<std::int64_t> Marginals::vertices() const {
+  return ok() ? contents_->idsOf(Contents::Known::Kind::variable) : std::vector<std::int64_t>();
+}
 std::vector<std::int64_t> Marginals::undetermined() const {
   return contents_->idsOf(Contents::Known::Kind::undetermined);
 }

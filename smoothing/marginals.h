@@ -26,7 +26,8 @@ namespace quiver {
 class Marginals {
  public:
   /// Of `options` counts what defines the problem: level, free, robustCorrection, threads, and gauge, where automatic
-  /// means fix. Throws GraphError as `optimize` does for a graph that cannot be compiled. About three factorisations of
+  /// means fix; and what may end the work early, after which there are no covariances: memoryLimit, timeLimit,
+  /// stopToken. Throws GraphError as `optimize` does for a graph that cannot be compiled. About three factorisations of
   /// all variables at once, on one thread, and twice the memory of the factor. The graph is not changed.
   explicit Marginals(Graph& graph, const Options& options = {});
   ~Marginals();

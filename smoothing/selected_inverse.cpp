@@ -21,9 +21,9 @@ constexpr double pivotFloor = 1e-14;
 
 /// Cholesky of the first panel.cols() rows, and L = A L_d⁻ᵀ for the rows below. Columns whose pivot is rounding become
 /// those of the identity and are appended to `pinned`.
-void factorColumns(MatrixXd& panel, const VectorXd& diagonal, std::vector<Index>& pinned) {
+void factorColumns(MatrixXd& panel, const VectorXd& diagonal, const StopCondition& stop, std::vector<Index>& pinned) {
   constexpr Index chunk = 48;
-  for (Index k = 0; k < panel.cols(); k += chunk) {
+  for (Index k = 0; k < panel.cols() && !stop.reached(); k += chunk) {
     const Index width = std::min(chunk, panel.cols() - k);
     auto d = panel.block(k, k, width, width);
     for (Index j = 0; j < width; ++j) {
@@ -49,11 +49,19 @@ void factorColumns(MatrixXd& panel, const VectorXd& diagonal, std::vector<Index>
 
 }  // namespace
 
-SelectedInverse::SelectedInverse(const BlockMatrix& matrix) {
+SelectedInverse::SelectedInverse(const BlockMatrix& matrix, const StopCondition& stop) {
   layOut(matrix, chooseOrdering(matrix.pattern()).order);
   load(matrix);
-  factorize();
-  for (auto panel = panels_.rbegin(); panel != panels_.rend(); ++panel) invert(*panel);
+  factorize(stop);
+  for (auto panel = panels_.rbegin(); panel != panels_.rend() && !stop.reached(); ++panel) invert(*panel, stop);
+  stopped_ = stop.reached();
+}
+
+std::int64_t SelectedInverse::predictBytes(const BlockPattern& pattern) {
+  // L and the inverse, whose diagonal blocks are whole, and lists.
+  constexpr double bytesEach = 2.2 * 8.0;
+  return static_cast<std::int64_t>(bytesEach *
+                                   static_cast<double>(predictFactor(pattern, chooseOrdering(pattern).order).nonzeros));
 }
 
 void SelectedInverse::layOut(const BlockMatrix& matrix, const std::vector<int>& order) {
@@ -108,14 +116,14 @@ void SelectedInverse::load(const BlockMatrix& matrix) {
   }
 }
 
-void SelectedInverse::factorize() {
+void SelectedInverse::factorize(const StopCondition& stop) {
   VectorXd diagonal(begin_.back());
   for (const Panel& panel : panels_) diagonal.segment(begin_[panel.first], panel.columns()) = panel.factor.diagonal();
   std::vector<Index> pinned;
-  for (std::size_t p = 0; p < panels_.size(); ++p) {
+  for (std::size_t p = 0; p < panels_.size() && !stop.reached(); ++p) {
     Panel& panel = panels_[p];
     pinned.clear();
-    factorColumns(panel.factor, diagonal.segment(begin_[panel.first], panel.columns()), pinned);
+    factorColumns(panel.factor, diagonal.segment(begin_[panel.first], panel.columns()), stop, pinned);
     for (const Index column : pinned) pin(static_cast<int>(p), column);
     subtractProduct(panel);
   }
@@ -151,13 +159,17 @@ void SelectedInverse::subtractProduct(const Panel& panel) {
 
 /// With Y = L_r L_c⁻¹ and the inverse Z_rr of the rows below, which ancestors hold: Z_rc = −Z_rr Y and
 /// Z_cc = (L_c L_cᵀ)⁻¹ − Yᵀ Z_rc.
-void SelectedInverse::invert(Panel& panel) const {
+void SelectedInverse::invert(Panel& panel, const StopCondition& stop) const {
   const Index own = panel.columns();
   const Index below = panel.below();
   const auto diagonal = panel.factor.topRows(own).triangularView<Eigen::Lower>();
   const MatrixXd inverse = diagonal.solve(MatrixXd::Identity(own, own));
   panel.inverse.resize(own + below, own);
-  panel.inverse.topRows(own).noalias() = inverse.transpose() * inverse;
+  constexpr Index chunk = 256;  // columns between two looks at the clock
+  for (Index c = 0; c < own && !stop.reached(); c += chunk) {
+    const Index width = std::min(chunk, own - c);
+    panel.inverse.block(0, c, own, width).noalias() = inverse.transpose() * inverse.middleCols(c, width);
+  }
   if (below == 0) return;
   MatrixXd rows(below, below);
   forEachPair(panel, [&](int ancestor, Index row, Index column, std::size_t i, std::size_t j) {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include <quiver/core/util/stop_condition.h>
 #include <quiver/solvers/block/block_matrix.h>
 
 namespace quiver {
@@ -17,8 +18,12 @@ class SelectedInverse {
  public:
   SelectedInverse() = default;
   /// Orders, factors and inverts: about three times the operations of a factorisation, twice the memory of L. One
-  /// thread. A may be singular: see `pinned`.
-  explicit SelectedInverse(const BlockMatrix& matrix);
+  /// thread. A may be singular: see `pinned`. Once `stop` is reached nothing more is done, and nothing may be asked but
+  /// `stopped`.
+  explicit SelectedInverse(const BlockMatrix& matrix, const StopCondition& stop = {});
+  bool stopped() const { return stopped_; }
+  /// About the bytes that the inverse of such a matrix takes. Orders it.
+  static std::int64_t predictBytes(const BlockPattern& pattern);
 
   struct Coordinate {
     int block;
@@ -50,10 +55,10 @@ class SelectedInverse {
 
   void layOut(const BlockMatrix& matrix, const std::vector<int>& order);
   void load(const BlockMatrix& matrix);
-  void factorize();
+  void factorize(const StopCondition& stop);
   void pin(int panel, Eigen::Index column);
   void subtractProduct(const Panel& panel);
-  void invert(Panel& panel) const;
+  void invert(Panel& panel, const StopCondition& stop) const;
   /// Calls visit(ancestor, place of row i in it, place of column j in it, i, j) for the pairs i ≥ j of the panel's
   /// rows.
   template <typename Visit>
@@ -66,6 +71,7 @@ class SelectedInverse {
   std::vector<Eigen::Index> source_;  // first scalar of each position's block in A
   std::vector<int> panelOf_;          // of each position
   std::vector<Panel> panels_;
+  bool stopped_ = false;
   std::vector<Coordinate> pinned_;
   std::vector<char> isPinned_;  // by scalar in the order of elimination, empty if none is
 };

@@ -22,6 +22,7 @@ struct OptimizeReport {
   /// NaN if no covariances were asked for; and what kept them from being had.
   double marginalsSeconds = std::numeric_limits<double>::quiet_NaN();
   std::string marginalsReason;
+  bool marginalsStopped = false;
   double totalSeconds = 0.0;
 };
 

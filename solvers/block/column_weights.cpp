@@ -56,7 +56,7 @@ class RowSubtrees {
 std::vector<std::int64_t> columnWeights(const BlockGraph& graph, std::span<const int> order,
                                         const EliminationTree& tree, std::span<const int> weights) {
   const std::vector<int> post = postorder(tree.parent);
-  const std::vector<int> position = positionsOf(order);
+  const OrderedGraph ordered(graph, order);
   RowSubtrees subtrees(tree.parent, post);
   // Of each column, diagonal included, less those of its children: they overlap in what leaves and ancestors tell.
   std::vector<std::int64_t> sums(order.size(), 0);
@@ -66,13 +66,12 @@ std::vector<std::int64_t> columnWeights(const BlockGraph& graph, std::span<const
     std::int64_t& own = sums[static_cast<std::size_t>(j)];
     if (subtrees.isTreeLeaf(j, k)) own += weights[static_cast<std::size_t>(j)];
     if (up >= 0) sums[static_cast<std::size_t>(up)] -= weights[static_cast<std::size_t>(j)];
-    for (const int neighbour : graph.of(order[static_cast<std::size_t>(j)])) {
-      const int row = position[static_cast<std::size_t>(neighbour)];
+    ordered.forEachBehind(j, [&](int row) {
       int common = -1;
-      if (row <= j || !subtrees.meet(row, j, common)) continue;
+      if (!subtrees.meet(row, j, common)) return;
       own += weights[static_cast<std::size_t>(row)];
       if (common >= 0) sums[static_cast<std::size_t>(common)] -= weights[static_cast<std::size_t>(row)];
-    }
+    });
     if (up >= 0) subtrees.close(j, up);
   }
   for (std::size_t j = 0; j < sums.size(); ++j) {

@@ -23,6 +23,7 @@ BlockGraph::BlockGraph(const BlockPattern& pattern) {
       neighbours[static_cast<std::size_t>(next[static_cast<std::size_t>(pattern.row(k))]++)] = column;
     }
   }
+  middles = next;
   for (int column = 0; column < count; ++column) {
     for (std::int64_t k = pattern.columnBegin(column) + 1; k < pattern.columnEnd(column); ++k) {
       neighbours[static_cast<std::size_t>(next[static_cast<std::size_t>(column)]++)] = pattern.row(k);
@@ -36,20 +37,23 @@ std::vector<int> positionsOf(std::span<const int> order) {
   return position;
 }
 
+OrderedGraph::OrderedGraph(const BlockGraph& graph, std::span<const int> order) : graph_(graph), order_(order) {
+  for (std::size_t i = 0; i < order.size(); ++i) natural_ = natural_ && order[i] == static_cast<int>(i);
+  if (!natural_) position_ = positionsOf(order);
+}
+
 EliminationTree::EliminationTree(const BlockGraph& graph, std::span<const int> order) : parent(order.size(), -1) {
-  const std::vector<int> position = positionsOf(order);
+  const OrderedGraph ordered(graph, order);
   std::vector<int> ancestor(order.size(), -1);  // the highest known ancestor, for path compression
   for (int i = 0; i < static_cast<int>(order.size()); ++i) {
-    for (const int neighbour : graph.of(order[static_cast<std::size_t>(i)])) {
-      int j = position[static_cast<std::size_t>(neighbour)];
-      while (j < i) {
-        const int next = ancestor[static_cast<std::size_t>(j)];
-        ancestor[static_cast<std::size_t>(j)] = i;
-        if (next < 0) parent[static_cast<std::size_t>(j)] = i;
-        if (next < 0 || next == i) break;
-        j = next;
+    ordered.forEachBefore(i, [i, up = parent.data(), highest = ancestor.data()](int j) {
+      for (int next = highest[j]; next != i; j = next, next = highest[j]) {
+        highest[j] = i;
+        if (next >= 0) continue;
+        up[j] = i;
+        break;
       }
-    }
+    });
   }
 }
 

@@ -1,5 +1,7 @@
 #include <quiver/solvers/block/factor_pattern.h>
 
+#include <algorithm>
+
 #include <quiver/solvers/block/column_weights.h>
 
 namespace quiver {
@@ -7,9 +9,12 @@ namespace {
 
 /// A run of columns that share a list.
 struct Chain {
-  int last;
   /// Where its next row goes.
   std::int64_t next;
+  int last;
+  /// The chain of its last column's parent, and the last row that it was met by.
+  int up = -1;
+  int met = -1;
 };
 
 }  // namespace
@@ -48,7 +53,7 @@ FactorPattern::FactorPattern(const BlockGraph& graph, std::span<const int> order
     // The rows of a column are among those of its parent and the parent itself: as many means all.
     const bool joins = j > 0 && tree.parent[at(j - 1)] == j && counts_[at(j - 1)] == counts_[at(j)] + 1;
     if (!joins) {
-      chains.push_back({j, size});
+      chains.push_back({.next = size, .last = j});
       heads_.push_back(j);
       size += counts_[at(j)];
     }
@@ -57,26 +62,31 @@ FactorPattern::FactorPattern(const BlockGraph& graph, std::span<const int> order
     begins_[at(j)] = chains.back().next + j - heads_.back();
   }
   rows_.resize(static_cast<std::size_t>(size));
+  for (Chain& chain : chains) {
+    const int parent = tree.parent[at(chain.last)];
+    if (parent >= 0) chain.up = chainOf[at(parent)];
+  }
   // Row i of L is the part of the tree that the entries of row i of A reach on their way up to i.
-  const std::vector<int> position = positionsOf(order);
-  std::vector<int> met(chains.size(), -1);
+  const OrderedGraph ordered(graph, order);
   for (int i = 0; i < count; ++i) {
     const int own = chainOf[at(i)];
-    const auto meet = [&](int chain) {
-      met[at(chain)] = i;
-      rows_[static_cast<std::size_t>(chains[at(chain)].next++)] = i;
+    const auto meet = [i, rows = rows_.data()](Chain& chain) {
+      chain.met = i;
+      rows[chain.next++] = i;
     };
-    if (i > heads_[at(own)]) meet(own);
-    for (const int neighbour : graph.of(order[at(i)])) {
-      if (position[at(neighbour)] > i) continue;
-      for (int chain = chainOf[at(position[at(neighbour)])]; chain != own && met[at(chain)] != i;
-           chain = chainOf[at(tree.parent[at(chains[at(chain)].last)])])
-        meet(chain);
-    }
+    if (i > heads_[at(own)]) meet(chains[at(own)]);
+    ordered.forEachBefore(i, [&, first = chains.data(), of = chainOf.data()](int j) {
+      for (int c = of[j]; c != own && first[c].met != i; c = first[c].up) meet(first[c]);
+    });
   }
 }
 
 std::vector<std::int64_t> FactorPattern::columnWeights(std::span<const int> weights) const {
+  if (!weights.empty() && std::all_of(weights.begin(), weights.end(), [&](int w) { return w == weights[0]; })) {
+    std::vector<std::int64_t> sums = counts_;
+    for (std::int64_t& sum : sums) sum *= weights[0];
+    return sums;
+  }
   std::vector<std::int64_t> sums(counts_.size(), 0);
   for (std::size_t c = 0; c < heads_.size(); ++c) {
     const int end = c + 1 < heads_.size() ? heads_[c + 1] : static_cast<int>(counts_.size());

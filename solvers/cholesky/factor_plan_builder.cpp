@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include <fmt/format.h>
 
 #include <quiver/core/util/error.h>
+#include <quiver/core/util/parallel.h>
 #include <quiver/solvers/block/ordering.h>
 #include <quiver/solvers/cholesky/arena_planner.h>
 
@@ -17,20 +19,23 @@ int ceil8(int value) { return (value + 7) / 8 * 8; }
 /// An odd multiple of 8 doubles, so that columns do not fall on the same cache sets.
 std::int64_t oddStride(int rows) { return std::int64_t{ceil8(rows) / 8 | 1} * 8; }
 
-std::int32_t narrow(std::int64_t value) {
-  if (value > std::numeric_limits<std::int32_t>::max()) {
-    throw LogicError(fmt::format("a factor with {} scalars in one piece is too large", value));
-  }
+[[noreturn]] void refuse(std::int64_t value) {
+  throw LogicError(fmt::format("a factor with {} scalars in one piece is too large", value));
+}
+
+inline std::int32_t narrow(std::int64_t value) {
+  if (value > std::numeric_limits<std::int32_t>::max()) refuse(value);
   return static_cast<std::int32_t>(value);
 }
 
 }  // namespace
 
 FactorPlanBuilder::FactorPlanBuilder(FactorPlan& plan, const BlockPattern& pattern, int threads)
-    : plan_(plan), pattern_(pattern) {
+    : plan_(plan), pattern_(pattern), threads_(threads) {
   analyzeStructure(threads);
   numberScalars();
   layOutNodes();
+  listDestinations();
   listLoads();
   placeUpdates();
 }
@@ -92,6 +97,7 @@ void FactorPlanBuilder::layOutNodes() {
     storage.runs = static_cast<std::int64_t>(plan_.runs.size());
     storage.spans = static_cast<std::int64_t>(plan_.spans.size());
     storage.leafColumns = static_cast<std::int64_t>(plan_.leafColumns.size());
+    targetBegin_.push_back(static_cast<std::int64_t>(targets_.size()));
     plan_.workspaceCount += storage.paddedColumns + storage.paddedRows;
     addSpans(k);
     if (node.leaf) {
@@ -172,9 +178,7 @@ void FactorPlanBuilder::layOutLeaf(int node, NodeStorage& storage) {
   const int blocks = leaf.lastBlock - leaf.firstBlock + storage.outside;
   plan_.workspaceCount += ceil8(blocks * leafStride(plan_.leafDimension));
   std::int32_t offset = 0;
-  targets_.clear();
   for (int column = leaf.firstBlock; column < leaf.lastBlock; ++column) addLeafColumn(node, column, offset);
-  addLeafDestinations(node, storage.leafColumns);
   plan_.valueCount += ceil8(offset);
 }
 
@@ -188,41 +192,58 @@ void FactorPlanBuilder::addLeafColumn(int node, int column, std::int32_t& offset
   entry.scalar = (column - leaf.firstBlock) * b;
   entry.below = static_cast<std::int32_t>(rows.size());
   entry.rows = narrow(static_cast<std::int64_t>(plan_.leafRows.size()));
-  const std::size_t metBefore = targets_.size();
-  for (const int row : rows) {
-    const int target = tree_->position[row];
-    const bool inside = target < leaf.lastBlock;
-    if (inside) targets_.push_back(target - leaf.firstBlock);
-    plan_.leafRows.push_back((inside ? target - leaf.firstBlock : columns + scratch_[row]) * leafStride(b));
-    plan_.leafPositions.push_back(inside ? 0 : scratch_[row] * b);
+  // Rows ascend, and a leaf's columns come before what is outside.
+  const std::size_t first = plan_.leafRows.size();
+  plan_.leafRows.resize(first + rows.size());
+  plan_.leafPositions.resize(first + rows.size(), 0);
+  std::int32_t* const places = plan_.leafRows.data() + first;
+  std::int32_t* const positions = plan_.leafPositions.data() + first;
+  const int stride = leafStride(b);
+  std::size_t i = 0;
+  for (; i < rows.size() && tree_->position[rows[i]] < leaf.lastBlock; ++i) {
+    const int target = tree_->position[rows[i]] - leaf.firstBlock;
+    targets_.push_back(target);
+    places[i] = target * stride;
   }
-  entry.inside = static_cast<std::int32_t>(targets_.size() - metBefore);
+  entry.inside = static_cast<std::int32_t>(i);
+  for (; i < rows.size(); ++i) {
+    places[i] = (columns + scratch_[rows[i]]) * stride;
+    positions[i] = scratch_[rows[i]] * b;
+  }
+  entry.destinations = narrow(destinations_);
+  destinations_ += std::int64_t{entry.inside} * (2 * std::int64_t{entry.below} - entry.inside + 1) / 2;
   plan_.leafColumns.push_back(entry);
   offset = narrow(std::int64_t{offset} + (entry.below + 1) * b * leafStride(b));
 }
 
+void FactorPlanBuilder::listDestinations() {
+  constexpr double nanosecondsEach = 1.0;
+  plan_.leafDestinations.resize(destinations_);
+  const auto count = static_cast<std::int64_t>(plan_.nodes.size());
+  const int threads = worthwhileThreads(threads_, nanosecondsEach * static_cast<double>(destinations_));
+  parallelFor(count, threads, [&](std::int64_t node) {
+    if (plan_.nodes[node].leaf) addLeafDestinations(static_cast<int>(node), targets_.data() + targetBegin_[node]);
+  });
+}
+
 /// For blocks q ≤ i of a column: block (i, q) of the column of q. Columns that are met are taken one by one: where
 /// their blocks lie is spread out once, and looked up by all columns that meet them.
-void FactorPlanBuilder::addLeafDestinations(int node, std::int64_t firstColumn) {
+void FactorPlanBuilder::addLeafDestinations(int node, const int* target) {
   const TreeNode& leaf = plan_.nodes[node];
   const int stride = leafStride(plan_.leafDimension);
   const int size = plan_.leafDimension * stride;
   const int count = leaf.lastBlock - leaf.firstBlock;
-  LeafColumn* columns = plan_.leafColumns.data() + firstColumn;
-  std::int64_t total = static_cast<std::int64_t>(plan_.leafDestinations.size());
+  const LeafColumn* columns = plan_.leafColumns.data() + plan_.storage[node].leafColumns;
   std::vector<int> begin(count + 1, 0);  // of the list of a target's meetings
-  for (const int target : targets_) ++begin[target + 1];
+  const std::int64_t targets = std::accumulate(columns, columns + count, std::int64_t{0},
+                                               [](std::int64_t sum, const LeafColumn& c) { return sum + c.inside; });
+  for (std::int64_t k = 0; k < targets; ++k) ++begin[target[k] + 1];
   for (int j = 0; j < count; ++j) begin[j + 1] += begin[j];
-  std::vector<std::pair<int, int>> meetings(targets_.size());  // column and number of the block in it
+  std::vector<std::pair<int, int>> meetings(targets);  // column and number of the block in it
   std::vector<int> next(begin.begin(), begin.end() - 1);
-  const int* target = targets_.data();
   for (int j = 0; j < count; ++j) {
-    LeafColumn& column = columns[j];
-    column.destinations = narrow(total);
-    total += std::int64_t{column.inside} * (2 * std::int64_t{column.below} - column.inside + 1) / 2;
-    for (int q = 0; q < column.inside; ++q) meetings[next[*target++]++] = {j, q};
+    for (int q = 0; q < columns[j].inside; ++q) meetings[next[*target++]++] = {j, q};
   }
-  plan_.leafDestinations.resize(total);
   std::vector<std::int32_t> place((count + plan_.storage[node].outside) * stride);  // by row, as leafRows has them
   for (int t = 0; t < count; ++t) {
     if (begin[t] == begin[t + 1]) continue;
@@ -241,50 +262,56 @@ void FactorPlanBuilder::addLeafDestinations(int node, std::int64_t firstColumn) 
 }
 
 void FactorPlanBuilder::listLoads() {
+  constexpr double nanosecondsEach = 10.0;
   std::vector<int> place(order_.size());  // of a pattern block in the factor's numbering
   for (std::size_t i = 0; i < place.size(); ++i) place[plan_.blocks[i]] = static_cast<int>(i);
   std::vector<std::int64_t> source(order_.size() + 1, 0);  // of each pattern column's first block
   const BlockLayout& layout = pattern_.layout();
   for (int j = 0; j < pattern_.blocks(); ++j) {
-    std::int64_t rows = 0;
-    for (std::int64_t k = pattern_.columnBegin(j); k < pattern_.columnEnd(j); ++k)
+    std::int64_t rows = (pattern_.columnEnd(j) - pattern_.columnBegin(j)) * plan_.uniformDimension;
+    for (std::int64_t k = pattern_.columnBegin(j); plan_.uniformDimension == 0 && k < pattern_.columnEnd(j); ++k)
       rows += layout.dimension(pattern_.row(k));
     source[j + 1] = source[j] + rows * layout.dimension(j);
   }
-  plan_.loads.reserve(pattern_.entries());
+  plan_.loads.resize(pattern_.entries());
   plan_.loadBegin.push_back(0);
-  for (int k = 0; k < static_cast<int>(plan_.nodes.size()); ++k) {
-    const TreeNode& node = plan_.nodes[k];
-    const NodeStorage& storage = plan_.storage[k];
-    const std::span<const int> nodeRows = rowsBelow(k);
-    for (int column = node.firstBlock; column < node.lastBlock; ++column) {
-      const int block = plan_.blocks[column];
-      const int columns = layout.dimension(block);
-      const std::span<const int> rows = node.leaf ? below(column) : nodeRows;
-      const LeafColumn* leaf = node.leaf ? &plan_.leafColumns[storage.leafColumns + column - node.firstBlock] : nullptr;
-      const int firstScalar = plan_.blockScalar[column] - storage.scalar;
-      std::int64_t from = source[block];
-      std::size_t p = 0;
-      int scalar = storage.paddedColumns;
-      for (std::int64_t entry = pattern_.columnBegin(block); entry < pattern_.columnEnd(block); ++entry) {
-        const int row = place[pattern_.row(entry)];
-        const int height = layout.dimension(pattern_.row(entry));
-        std::int64_t destination = 0;
-        if (row == column && leaf != nullptr) {
-          destination = leaf->values;
-        } else if (leaf == nullptr && row < node.lastBlock) {
-          destination = firstScalar * storage.stride + plan_.blockScalar[row] - storage.scalar;
-        } else {
-          while (rows[p] != tree_->order[row]) scalar += dimension(rows[p++]);
-          destination = leaf != nullptr
-                            ? leaf->values + static_cast<std::int64_t>(p + 1) * columns * leafStride(columns)
-                            : firstScalar * storage.stride + scalar;
-        }
-        plan_.loads.push_back(
-            {from, narrow(destination), static_cast<std::int16_t>(height), static_cast<std::int16_t>(columns)});
-        from += std::int64_t{height} * columns;
+  for (const int block : plan_.blocks)
+    plan_.loadBegin.push_back(plan_.loadBegin.back() + pattern_.columnEnd(block) - pattern_.columnBegin(block));
+  const auto count = static_cast<std::int64_t>(plan_.nodes.size());
+  const int threads = worthwhileThreads(threads_, nanosecondsEach * static_cast<double>(pattern_.entries()));
+  parallelFor(count, threads, [&](std::int64_t node) { listNodeLoads(static_cast<int>(node), place, source); });
+}
+
+void FactorPlanBuilder::listNodeLoads(int k, const std::vector<int>& place, const std::vector<std::int64_t>& source) {
+  const BlockLayout& layout = pattern_.layout();
+  const TreeNode& node = plan_.nodes[k];
+  const NodeStorage& storage = plan_.storage[k];
+  const std::span<const int> nodeRows = rowsBelow(k);
+  for (int column = node.firstBlock; column < node.lastBlock; ++column) {
+    const int block = plan_.blocks[column];
+    const int columns = layout.dimension(block);
+    const std::span<const int> rows = node.leaf ? below(column) : nodeRows;
+    const LeafColumn* leaf = node.leaf ? &plan_.leafColumns[storage.leafColumns + column - node.firstBlock] : nullptr;
+    const int firstScalar = plan_.blockScalar[column] - storage.scalar;
+    std::int64_t from = source[block];
+    std::size_t p = 0;
+    int scalar = storage.paddedColumns;
+    LoadEntry* load = plan_.loads.data() + plan_.loadBegin[column];
+    for (std::int64_t entry = pattern_.columnBegin(block); entry < pattern_.columnEnd(block); ++entry) {
+      const int row = place[pattern_.row(entry)];
+      const int height = layout.dimension(pattern_.row(entry));
+      std::int64_t destination = 0;
+      if (row == column && leaf != nullptr) {
+        destination = leaf->values;
+      } else if (leaf == nullptr && row < node.lastBlock) {
+        destination = firstScalar * storage.stride + plan_.blockScalar[row] - storage.scalar;
+      } else {
+        while (rows[p] != tree_->order[row]) scalar += dimension(rows[p++]);
+        destination = leaf != nullptr ? leaf->values + static_cast<std::int64_t>(p + 1) * columns * leafStride(columns)
+                                      : firstScalar * storage.stride + scalar;
       }
-      plan_.loadBegin.push_back(static_cast<std::int64_t>(plan_.loads.size()));
+      *load++ = {from, narrow(destination), static_cast<std::int16_t>(height), static_cast<std::int16_t>(columns)};
+      from += std::int64_t{height} * columns;
     }
   }
 }

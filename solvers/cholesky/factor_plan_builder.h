@@ -29,8 +29,10 @@ class FactorPlanBuilder {
   void addSpans(int node);
   void layOutLeaf(int node, NodeStorage& storage);
   void addLeafColumn(int node, int column, std::int32_t& offset);
-  void addLeafDestinations(int node, std::int64_t firstColumn);
+  void listDestinations();
+  void addLeafDestinations(int node, const int* targets);
   void listLoads();
+  void listNodeLoads(int node, const std::vector<int>& place, const std::vector<std::int64_t>& source);
   void placeUpdates();
 
   FactorPlan& plan_;
@@ -39,8 +41,11 @@ class FactorPlanBuilder {
   std::vector<int> dimensions_;  // in elimination order
   std::unique_ptr<FactorPattern> factor_;
   std::unique_ptr<NodeTree> tree_;
+  int threads_;
   std::vector<int> scratch_;
-  std::vector<int> targets_;  // of a leaf's blocks inside it: the column, counted from its first
+  std::vector<int> targets_;  // of all leaves' blocks inside them: the column, counted from the leaf's first
+  std::vector<std::int64_t> targetBegin_;  // of each node
+  std::int64_t destinations_ = 0;
 };
 
 }  // namespace quiver::detail

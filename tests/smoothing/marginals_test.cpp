@@ -233,6 +233,22 @@ TEST(Marginals, APartOfTheGraphIsRelativeToTheRest) {
   EXPECT_THAT(marginals.vertices(), testing::ElementsAre(3, 4, 1001));
 }
 
+TEST(Marginals, EndEarlyWhenAskedAndWhereMemoryIsShort) {
+  Graph graph = walk(30, true);
+  std::stop_source source;
+  source.request_stop();
+  const Marginals stopped(graph, {.stopToken = source.get_token()});
+  EXPECT_FALSE(stopped.ok());
+  EXPECT_THAT(stopped.reason(), testing::HasSubstr("interrupted"));
+  EXPECT_THROW(stopped.covariance(3), GraphError);
+  EXPECT_THAT(stopped.vertices(), testing::IsEmpty());
+  EXPECT_FALSE(Marginals(graph, {.timeLimit = 0.0}).ok());
+  const Marginals large(graph, {.memoryLimit = 1000});
+  EXPECT_FALSE(large.ok());
+  EXPECT_THAT(large.reason(), testing::HasSubstr("bytes"));
+  EXPECT_TRUE(Marginals(graph, {.memoryLimit = 100'000'000}).ok());
+}
+
 TEST(Marginals, OfNothingAreNothing) {
   Graph graph(builtinRegistry());
   graph.addVertex<VertexSE2>(0, SE2<double>()).setFixed(true);
