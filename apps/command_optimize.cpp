@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <csignal>
 #include <optional>
 
 #include <fmt/format.h>
@@ -39,6 +40,10 @@ class Run {
     LoadedGraph loaded = loadGraph(flags_.source);
     longWork_.expect(loaded.graph);
     if (interrupt_.token().stop_requested()) return stoppedEarly("reading");
+    // Who reads the progress may go away; files that were asked for are written all the same.
+    for (const std::string& path : {flags_.output, flags_.json, flags_.marginals}) {
+      if (!path.empty() && path != "-") std::signal(SIGPIPE, SIG_IGN);
+    }
     report_.loadSeconds = loaded.seconds;
     checkOutputFormat(flags_.output, loaded.graph);
     const Registry& registry = *loaded.graph.registry();
@@ -57,11 +62,11 @@ class Run {
     const Status status = report_.summary.status;
     const bool failed = status == Status::numericalFailure || status == Status::memoryLimit;
     if (failed) tell(stderr, "{}: {}\n", displayName(flags_.source.path), report_.summary.reason);
-    if (!flags_.marginals.empty() && !report_.marginalsReason.empty())
-      tell(stderr, "{}: --marginals: {}\n", displayName(flags_.source.path), report_.marginalsReason);
     const ExitCode exit = exitCodeOf(status);
-    if (exit != exitSuccess || report_.marginalsReason.empty()) return exit;
-    return report_.marginalsStopped ? exitInterrupted : exitNumericalFailure;
+    if (!report_.marginals || report_.marginals->reason.empty()) return exit;
+    tell(stderr, "{}: --marginals: {}\n", displayName(flags_.source.path), report_.marginals->reason);
+    if (exit != exitSuccess) return exit;
+    return report_.marginals->stopped ? exitInterrupted : exitNumericalFailure;
   }
 
  private:
@@ -151,20 +156,22 @@ class Run {
 
   /// Covariances where the descent ended by itself; what keeps them from being had is kept for the end.
   void saveMarginals(Graph& graph) {
-    const ExitCode exit = exitCodeOf(report_.summary.status);
-    if (exit != exitSuccess) {
-      report_.marginalsReason = "not computed: the descent did not end at an estimate of its own";
+    OptimizeReport::MarginalsReport& report = report_.marginals.emplace();
+    if (exitCodeOf(report_.summary.status) != exitSuccess) {
+      report.reason = "not computed: the descent did not end at an estimate of its own";
       return;
     }
     longWork_.tell("computing covariances");
-    Stopwatch watch;
+    const Stopwatch watch;
     withOverrides(graph, [&](Graph& changed) {
       Options options = optionsOf(changed);
       options.timeLimit = std::max(0.0, flags_.timeLimit - whole_.seconds());
       const Marginals marginals(changed, options);
-      report_.marginalsReason = marginals.reason();
+      report.reason = marginals.reason();
+      report.vertices = static_cast<std::int64_t>(marginals.vertices().size());
+      report.undetermined = marginals.undetermined();
       if (marginals.ok()) saveText(flags_.marginals, describeMarginals(marginals, changed));
-      report_.marginalsStopped = !marginals.ok() && StopCondition(options.timeLimit, options.stopToken).reached();
+      report.stopped = !marginals.ok() && StopCondition(options.timeLimit, options.stopToken).reached();
     });
     report_.marginalsSeconds = watch.seconds();
   }

@@ -39,7 +39,6 @@ struct Marginals::Contents {
   void compute(Graph& graph, const Options& options);
   void list(const Problem& problem);
   void invert(Problem& problem, const Options& options);
-  void markUndetermined(const Problem& problem, const BlockMatrix& matrix);
   std::string describeFailure(const Problem& problem, const Options& options) const;
   std::vector<std::int64_t> idsOf(Known::Kind kind) const;
   const Known& known(std::int64_t id) const;
@@ -55,6 +54,22 @@ void clearHeld(std::uint64_t held, Eigen::MatrixXd& block) {
   }
 }
 
+/// Which variables share an edge with a vertex that does not move.
+std::vector<char> besideConstants(const Problem& problem) {
+  std::vector<char> beside(static_cast<std::size_t>(problem.variables()), 0);
+  for (int b = 0; b < problem.batches(); ++b) {
+    for (int i = 0; i < problem.batch(b).size(); ++i) {
+      const auto slots = problem.batch(b).slots(i);
+      const auto variable = [&](std::int32_t slot) { return problem.variableOfSlot(slot); };
+      if (std::all_of(slots.begin(), slots.end(), [&](std::int32_t slot) { return variable(slot) >= 0; })) continue;
+      for (const std::int32_t slot : slots) {
+        if (variable(slot) >= 0) beside[static_cast<std::size_t>(variable(slot))] = 1;
+      }
+    }
+  }
+  return beside;
+}
+
 }  // namespace
 
 void Marginals::Contents::compute(Graph& graph, const Options& options) {
@@ -62,7 +77,13 @@ void Marginals::Contents::compute(Graph& graph, const Options& options) {
   problem.setRobustCorrection(options.robustCorrection);
   Options holding = options;
   if (holding.gauge == GaugePolicy::automatic) holding.gauge = GaugePolicy::fix;
-  if (problem.variables() > 0) settleGauge(problem, holding, false, gauge);
+  // Where vertices are fixed, the others are known relative to these or not at all.
+  const std::vector<char> anchored = besideConstants(problem);
+  const auto floats = [&](const ComponentGauge& component) {
+    return std::none_of(component.variables.begin(), component.variables.end(),
+                        [&](int v) { return anchored[static_cast<std::size_t>(v)]; });
+  };
+  if (problem.variables() > 0) settleGauge(problem, holding, false, gauge, floats);
   list(problem);
   if (problem.variables() > 0) invert(problem, options);
 }
@@ -105,30 +126,11 @@ void Marginals::Contents::invert(Problem& problem, const Options& options) {
     reason = "interrupted while covariances were computed, or out of time";
     return;
   }
-  markUndetermined(problem, matrix);
-  if (idsOf(Known::Kind::variable).empty()) reason = describeFailure(problem, options);
-}
-
-/// A coordinate that the inverse leaves out stands for the direction n with H n = 0 that has 1 there and 0 at the
-/// others left out: n = e − H⁺ H e. Whatever n moves is not determined.
-void Marginals::Contents::markUndetermined(const Problem& problem, const BlockMatrix& matrix) {
-  constexpr double moves = 1e-6;
-  std::vector<double> unit(static_cast<std::size_t>(scalars), 0.0);
-  Eigen::VectorXd column(scalars);
-  for (const auto& [variable, coordinate] : inverse.pinned()) {
-    const auto at = static_cast<std::size_t>(problem.offset(variable) + coordinate);
-    unit[at] = 1.0;
-    matrix.multiply(unit, {column.data(), static_cast<std::size_t>(scalars)});
-    unit[at] = 0.0;
-    Eigen::VectorXd direction = -inverse.solve(column);
-    direction[static_cast<Eigen::Index>(at)] = 1.0;
-    const double least = moves * direction.cwiseAbs().maxCoeff();
-    for (auto& [id, vertex] : vertices) {
-      if (vertex.kind == Known::Kind::variable &&
-          !(direction.segment(vertex.offset, vertex.dimension).cwiseAbs().maxCoeff() <= least))
-        vertex.kind = Known::Kind::undetermined;
-    }
+  for (const SelectedInverse::Pinned& pinned : inverse.pinned()) {
+    for (const int variable : pinned.moved)
+      vertices[problem.vertex(problem.slotOfVariable(variable)).id()].kind = Known::Kind::undetermined;
   }
+  if (idsOf(Known::Kind::variable).empty()) reason = describeFailure(problem, options);
 }
 
 std::vector<std::int64_t> Marginals::Contents::idsOf(Known::Kind kind) const {
@@ -197,7 +199,11 @@ std::vector<std::int64_t> Marginals::vertices() const {
   return ok() ? contents_->idsOf(Contents::Known::Kind::variable) : std::vector<std::int64_t>();
 }
 std::vector<std::int64_t> Marginals::undetermined() const {
-  return contents_->idsOf(Contents::Known::Kind::undetermined);
+  std::vector<std::int64_t> ids = contents_->idsOf(Contents::Known::Kind::undetermined);
+  const std::vector<std::int64_t> unseen = contents_->idsOf(Contents::Known::Kind::unseen);
+  ids.insert(ids.end(), unseen.begin(), unseen.end());
+  std::sort(ids.begin(), ids.end());
+  return ids;
 }
 
 Eigen::MatrixXd Marginals::covariance(std::int64_t id) const { return contents_->block(id, id); }

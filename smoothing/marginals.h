@@ -20,7 +20,8 @@ namespace quiver {
 /// A block is in the tangent of its vertices, in the order and units of VertexType::tangentNames (poses: metres, then
 /// radians, in the body frame). Information matrices are taken at their word: no factor is estimated from residuals.
 /// Along directions that are fixed, and along those by which the gauge is held, covariances are zero: what remains is
-/// relative to them. Landmarks and poses alike are had in any combination, whatever solver made the estimates.
+/// relative to them. In a component in which vertices are fixed nothing else is held: what those leave free is
+/// undetermined. Landmarks and poses alike are had in any combination, whatever solver made the estimates.
 ///
 /// A snapshot: later changes of the graph do not reach it.
 class Marginals {
@@ -42,8 +43,8 @@ class Marginals {
   const GaugeReport& gauge() const;
   /// Vertices that have a covariance, ascending: those that move and that edges constrain in every direction.
   std::vector<std::int64_t> vertices() const;
-  /// Vertices that edges touch but leave free in some direction, as a point seen from one place: their covariance is
-  /// not finite, and the others' do not depend on them.
+  /// Free vertices that have none, ascending: no active edge touches them, or edges leave them free in some direction,
+  /// as a point seen from one place. The others do not depend on these.
   std::vector<std::int64_t> undetermined() const;
 
   /// dimension × dimension, zero for a vertex that is fixed. GraphError if the graph has no such vertex, or if it has

@@ -16,25 +16,34 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// A pivot below this share of A's diagonal entry is rounding.
+/// A pivot below this share of A's diagonal entry is rounding; below the second share it may be.
 constexpr double pivotFloor = 1e-14;
+constexpr double pivotSuspect = 1e-5;
 
-/// Cholesky of the first panel.cols() rows, and L = A L_d⁻ᵀ for the rows below. Columns whose pivot is rounding become
-/// those of the identity and are appended to `pinned`.
-void factorColumns(MatrixXd& panel, const VectorXd& diagonal, const StopCondition& stop, std::vector<Index>& pinned) {
+/// Which pivots of a panel are small, by its columns.
+struct SmallPivots {
+  std::vector<Index> left;  // out
+  std::vector<Index> suspect;
+};
+
+/// Cholesky of the first panel.cols() rows, and L = A L_d⁻ᵀ for the rows below. Columns whose pivot is rounding, or
+/// that are to be left out, become those of the identity.
+void factorColumns(MatrixXd& panel, const VectorXd& diagonal, const char* leaveOut, const StopCondition& stop,
+                   SmallPivots& small) {
   constexpr Index chunk = 48;
   for (Index k = 0; k < panel.cols() && !stop.reached(); k += chunk) {
     const Index width = std::min(chunk, panel.cols() - k);
     auto d = panel.block(k, k, width, width);
     for (Index j = 0; j < width; ++j) {
       const double pivot = d(j, j) - d.row(j).head(j).squaredNorm();
-      if (!(pivot > pivotFloor * diagonal[k + j]) || !std::isfinite(pivot)) {
-        pinned.push_back(k + j);
+      if (leaveOut[k + j] || !(pivot > pivotFloor * diagonal[k + j]) || !std::isfinite(pivot)) {
+        small.left.push_back(k + j);
         panel.col(k + j).setZero();
         panel.row(k + j).head(k + j).setZero();
         d(j, j) = 1.0;
         continue;
       }
+      if (pivot <= pivotSuspect * diagonal[k + j]) small.suspect.push_back(k + j);
       d(j, j) = std::sqrt(pivot);
       for (Index i = j + 1; i < width; ++i) d(i, j) = (d(i, j) - d.row(i).head(j).dot(d.row(j).head(j))) / d(j, j);
     }
@@ -53,6 +62,12 @@ SelectedInverse::SelectedInverse(const BlockMatrix& matrix, const StopCondition&
   layOut(matrix, chooseOrdering(matrix.pattern()).order);
   load(matrix);
   factorize(stop);
+  // What is left out changes the pivots behind it: a second look suffices, since directions are told apart by then.
+  if (!suspects_.empty() && pinSuspects(matrix, stop)) {
+    load(matrix);
+    factorize(stop);
+  }
+  if (anyPinned_) describePinned(matrix, stop);
   for (auto panel = panels_.rbegin(); panel != panels_.rend() && !stop.reached(); ++panel) invert(*panel, stop);
   stopped_ = stop.reached();
 }
@@ -70,6 +85,12 @@ void SelectedInverse::layOut(const BlockMatrix& matrix, const std::vector<int>& 
   const EliminationTree tree(graph, order);
   const FactorPattern factor(graph, order, tree);
   position_ = positionsOf(order);
+  order_ = order;
+  firstDescendant_ = naturalOrdering(static_cast<int>(order.size())).order;
+  for (std::size_t j = 0; j < order.size(); ++j) {
+    if (const int up = tree.parent[j]; up >= 0)
+      firstDescendant_[up] = std::min(firstDescendant_[up], firstDescendant_[j]);
+  }
   begin_.push_back(0);
   for (const int block : order) {
     begin_.push_back(begin_.back() + layout.dimension(block));
@@ -92,11 +113,13 @@ void SelectedInverse::layOut(const BlockMatrix& matrix, const std::vector<int>& 
       scalars += size(row);
     }
     panel.rowBegin.push_back(scalars);
-    panel.factor = MatrixXd::Zero(scalars, columns);
+    panel.factor.resize(scalars, columns);
   }
+  isPinned_.assign(static_cast<std::size_t>(begin_.back()), 0);
 }
 
 void SelectedInverse::load(const BlockMatrix& matrix) {
+  for (Panel& panel : panels_) panel.factor.setZero();
   const BlockPattern& pattern = matrix.pattern();
   for (int column = 0; column < pattern.blocks(); ++column) {
     for (std::int64_t k = pattern.columnBegin(column); k < pattern.columnEnd(column); ++k) {
@@ -117,31 +140,36 @@ void SelectedInverse::load(const BlockMatrix& matrix) {
 }
 
 void SelectedInverse::factorize(const StopCondition& stop) {
-  VectorXd diagonal(begin_.back());
-  for (const Panel& panel : panels_) diagonal.segment(begin_[panel.first], panel.columns()) = panel.factor.diagonal();
-  std::vector<Index> pinned;
+  diagonal_.resize(begin_.back());
+  for (const Panel& panel : panels_) diagonal_.segment(begin_[panel.first], panel.columns()) = panel.factor.diagonal();
+  suspects_.clear();
+  SmallPivots small;
   for (std::size_t p = 0; p < panels_.size() && !stop.reached(); ++p) {
     Panel& panel = panels_[p];
-    pinned.clear();
-    factorColumns(panel.factor, diagonal.segment(begin_[panel.first], panel.columns()), stop, pinned);
-    for (const Index column : pinned) pin(static_cast<int>(p), column);
+    const Index first = begin_[panel.first];
+    small.left.clear();
+    small.suspect.clear();
+    factorColumns(panel.factor, diagonal_.segment(first, panel.columns()), isPinned_.data() + first, stop, small);
+    for (const Index column : small.left) pin(static_cast<int>(p), column);
+    for (const Index column : small.suspect) suspects_.push_back(first + column);
     subtractProduct(panel);
   }
+}
+
+int SelectedInverse::positionOf(Index scalar) const {
+  return static_cast<int>(std::upper_bound(begin_.begin(), begin_.end(), scalar) - begin_.begin()) - 1;
 }
 
 /// Leaves a coordinate out of the panels before that have its row.
 void SelectedInverse::pin(int panel, Index column) {
   const Index scalar = begin_[panels_[panel].first] + column;
-  const auto after = std::upper_bound(begin_.begin(), begin_.end(), scalar);
-  const auto position = static_cast<int>(after - begin_.begin()) - 1;
-  for (int p = 0; p < panel; ++p) {
+  const int position = positionOf(scalar);
+  for (int p = panelOf_[firstDescendant_[position]]; p < panel; ++p) {
     const Index place = placeOf(panels_[p], position);
     if (place >= 0) panels_[p].factor.row(place + scalar - begin_[position]).setZero();
   }
-  if (isPinned_.empty()) isPinned_.assign(static_cast<std::size_t>(begin_.back()), 0);
   isPinned_[scalar] = 1;
-  const auto block = std::find(position_.begin(), position_.end(), position) - position_.begin();
-  pinned_.push_back({static_cast<int>(block), static_cast<int>(scalar - begin_[position])});
+  anyPinned_ = true;
 }
 
 void SelectedInverse::subtractProduct(const Panel& panel) {
@@ -210,7 +238,7 @@ std::optional<MatrixXd> SelectedInverse::find(int row, int column) const {
   const Index place = placeOf(panel, i);
   if (place < 0) return std::nullopt;
   MatrixXd block = panel.inverse.block(place, placeOf(panel, j), size(i), size(j));
-  if (!isPinned_.empty()) {
+  if (anyPinned_) {
     for (Index k = 0; k < block.rows(); ++k) {
       if (isPinned_[begin_[i] + k]) block.row(k).setZero();
     }
@@ -228,7 +256,7 @@ MatrixXd SelectedInverse::solve(const MatrixXd& b) const {
     for (std::size_t k = 0; k < source_.size(); ++k) copy(source_[k], begin_[k], begin_[k + 1] - begin_[k]);
   };
   copyBlocks([&](Index from, Index to, Index count) { x.middleRows(to, count) = b.middleRows(from, count); });
-  for (std::size_t k = 0; k < isPinned_.size(); ++k) {
+  for (std::size_t k = 0; anyPinned_ && k < isPinned_.size(); ++k) {
     if (isPinned_[k]) x.row(static_cast<Index>(k)).setZero();
   }
   const auto gather = [&](const Panel& panel) {

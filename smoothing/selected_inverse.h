@@ -25,14 +25,18 @@ class SelectedInverse {
   /// About the bytes that the inverse of such a matrix takes. Orders it.
   static std::int64_t predictBytes(const BlockPattern& pattern);
 
-  struct Coordinate {
+  /// A coordinate that is left out of A, as if it were known, and has zeros in the inverse, since A vanishes along a
+  /// direction that has 1 there. What the inverse says of blocks that no such direction moves is right all the same.
+  struct Pinned {
     int block;
     int coordinate;
+    /// Blocks that the direction moves, by a millionth of the most at least, each coordinate measured by the root of
+    /// its entry on A's diagonal. The block itself is among them.
+    std::vector<int> moved;
   };
-  /// Where a pivot was no more than rounding beside its entry of A, or not a number: these coordinates are left out of
-  /// A, as if they were known, and have zeros in the inverse. Each stands for a direction along which A vanishes; what
-  /// the inverse says of blocks that none of those directions touches is right all the same.
-  const std::vector<Coordinate>& pinned() const { return pinned_; }
+  /// Where a pivot was no more than rounding beside its entry of A, or not a number. A pivot that is small but more is
+  /// computed again, from A and a refined direction: elimination along thousands of blocks leaves more than rounding.
+  const std::vector<Pinned>& pinned() const { return pinned_; }
 
   /// Block (row, column) of A⁻¹ if L has such a block, in either triangle. O(log rows of L's panel).
   std::optional<Eigen::MatrixXd> find(int row, int column) const;
@@ -57,12 +61,27 @@ class SelectedInverse {
   void load(const BlockMatrix& matrix);
   void factorize(const StopCondition& stop);
   void pin(int panel, Eigen::Index column);
+  int positionOf(Eigen::Index scalar) const;
   void subtractProduct(const Panel& panel);
   void invert(Panel& panel, const StopCondition& stop) const;
   /// Calls visit(ancestor, place of row i in it, place of column j in it, i, j) for the pairs i ≥ j of the panel's
   /// rows.
   template <typename Visit>
   void forEachPair(const Panel& panel, const Visit& visit) const;
+  struct Neighbour {
+    int position;
+    std::int64_t entry;
+    bool transposed;
+  };
+  void listNeighbours(const BlockMatrix& matrix);
+  bool pinSuspects(const BlockMatrix& matrix, const StopCondition& stop);
+  void describePinned(const BlockMatrix& matrix, const StopCondition& stop);
+  void multiplyRows(const BlockMatrix& matrix, int first, int last, Eigen::Index end, const Eigen::VectorXd& x,
+                    Eigen::VectorXd& y) const;
+  void solveLeading(Eigen::Index end, Eigen::VectorXd& x) const;
+  double sumOfSizes(const BlockMatrix& matrix, int first, int last, const Eigen::VectorXd& x) const;
+  double findDirection(const BlockMatrix& matrix, Eigen::Index scalar, Eigen::VectorXd& direction,
+                       Eigen::VectorXd& work) const;
   Eigen::Index placeOf(const Panel& panel, int position) const;
   Eigen::Index size(int position) const { return begin_[position + 1] - begin_[position]; }
 
@@ -72,8 +91,14 @@ class SelectedInverse {
   std::vector<int> panelOf_;          // of each position
   std::vector<Panel> panels_;
   bool stopped_ = false;
-  std::vector<Coordinate> pinned_;
-  std::vector<char> isPinned_;  // by scalar in the order of elimination, empty if none is
+  std::vector<int> order_;            // block at each position
+  std::vector<int> firstDescendant_;  // of each position: what it depends on lies from there to it
+  Eigen::VectorXd diagonal_;          // of A, in the order of elimination
+  std::vector<Eigen::Index> suspects_;
+  std::vector<std::vector<Neighbour>> neighbours_;  // of each position, itself first; empty while no pivot is small
+  std::vector<Pinned> pinned_;
+  std::vector<char> isPinned_;  // by scalar in the order of elimination
+  bool anyPinned_ = false;
 };
 
 }  // namespace quiver

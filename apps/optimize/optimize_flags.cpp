@@ -91,7 +91,9 @@ void addAlgorithmFlags(CLI::App& command, OptimizeFlags& flags) {
       .add_option(
           "--linear-tolerance", flags.linearTolerance,
           "Residual, as a part of the right-hand side, at which an iterative linear solver ends near the optimum; "
-          "steps far from it, which the next ones correct anyway, end earlier; power adds at most 20 terms")
+          "steps far from it, which the next ones correct anyway, end earlier; power adds at most 20 terms, 10000 "
+          "where nothing is "
+          "eliminated")
       ->type_name("R")
       ->check(numberBetween(1e-16, 0.999))
       ->capture_default_str();

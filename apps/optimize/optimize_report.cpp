@@ -99,6 +99,12 @@ Json describeRun(const OptimizeReport& report, const Json& input) {
                      {"optimize", summary.seconds.optimize}, {"save", report.saveSeconds},
                      {"total", report.totalSeconds}};
   if (std::isfinite(report.marginalsSeconds)) json["seconds"]["marginals"] = report.marginalsSeconds;
+  if (report.marginals) {
+    json["marginals"] = {{"written", report.marginals->reason.empty()},
+                         {"vertices", report.marginals->vertices},
+                         {"undetermined", report.marginals->undetermined},
+                         {"reason", report.marginals->reason}};
+  }
   json["peak_memory_bytes"] = peakMemoryBytes();
   return json;
 }

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -19,10 +22,17 @@ struct OptimizeReport {
   double loadSeconds = 0.0;
   double initializeSeconds = 0.0;
   double saveSeconds = 0.0;
-  /// NaN if no covariances were asked for; and what kept them from being had.
+  /// What became of the covariances that were asked for.
+  struct MarginalsReport {
+    std::int64_t vertices = 0;
+    std::vector<std::int64_t> undetermined;
+    /// What kept them from being had; empty if they are written.
+    std::string reason;
+    bool stopped = false;
+  };
+  std::optional<MarginalsReport> marginals;
+  /// NaN if none were computed.
   double marginalsSeconds = std::numeric_limits<double>::quiet_NaN();
-  std::string marginalsReason;
-  bool marginalsStopped = false;
   double totalSeconds = 0.0;
 };
 

@@ -68,6 +68,8 @@ class Descent {
   LinearSystem& system() { return system_; }
   const CostTotals& totals() const { return totals_; }
   double bestCost() const { return bestTotals_.cost; }
+  /// Of the last trial: ‖δ‖/‖x‖.
+  double relativeStep() const { return relativeStep_; }
   std::vector<double>& delta() { return memory_.delta; }
   /// Vector 0 … 4 of an algorithm's own, zeros, as long as delta.
   std::vector<double>& scratch(int number);

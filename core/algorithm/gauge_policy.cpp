@@ -7,8 +7,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <quiver/core/algorithm/gauge.h>
-
 namespace quiver {
 namespace {
 
@@ -40,7 +38,8 @@ std::string describeGauge(const GaugeReport& report, bool fixes, int found, cons
 
 }  // namespace
 
-std::vector<HeldSlot> settleGauge(Problem& problem, const Options& options, bool damped, GaugeReport& report) {
+std::vector<HeldSlot> settleGauge(Problem& problem, const Options& options, bool damped, GaugeReport& report,
+                                  FunctionRef<bool(const ComponentGauge&)> mayHold) {
   const bool fixes = options.gauge == GaugePolicy::fix || (options.gauge == GaugePolicy::automatic && !damped);
   const std::vector<ComponentGauge> gauges = findGauges(problem);
   report.components = static_cast<int>(gauges.size());
@@ -51,7 +50,7 @@ std::vector<HeldSlot> settleGauge(Problem& problem, const Options& options, bool
   int held = 0;
   for (const ComponentGauge& gauge : gauges) {
     found += gauge.free;
-    if (!fixes) continue;
+    if (!fixes || !mayHold(gauge)) continue;
     for (const HeldDirections& hold : gauge.holds) {
       holds.push_back(hold);
       heldSlots.push_back({problem.slotOfVariable(hold.variable), hold.directions});

@@ -12,6 +12,9 @@ constexpr double chordChange = 1e-6;
 /// So many steps in a row may leave the cost above the lowest met: a full step far from the optimum often overshoots
 /// and still leads to where the next ones converge.
 constexpr int mostDetours = 3;
+/// A step so many times as long as the estimate leaps out of the basin of the start; if it gains nothing there, what
+/// lies beyond may be a minimum at infinity.
+constexpr double leap = 10.0;
 /// Of a cost: what no step can be seen to lower it by.
 constexpr double rounding = 1e-15;
 
@@ -48,7 +51,8 @@ bool gaussNewton(Descent& descent, bool careful) {
     const CostTotals trial = descent.tryStep();
     const bool rises = !(trial.cost <= before * (1.0 + 1e-9));
     const bool above = !(trial.cost <= descent.bestCost() * (1.0 + 1e-9));
-    const bool works = trial.finite() && !(chord && rises) && !(careful && above && detours == mostDetours);
+    const bool leaps = above && descent.relativeStep() > leap;
+    const bool works = trial.finite() && !(chord && rises) && !(careful && above && (detours == mostDetours || leaps));
     if (!works) {
       descent.reject();
       if (chord) {

@@ -86,9 +86,10 @@ class Chooser {
   EliminationChoice run(const Options& options) {
     for (const int type : candidates(options)) tryType(type);
     if (choice_.count == 0) {
-      choice_.reason = automatic_
-                           ? (reason_.empty() ? "no type of small vertices is free of edges among themselves" : reason_)
-                           : "no vertex of the named types can move";
+      choice_.reason = !automatic_        ? "no vertex of the named types can move"
+                       : !reason_.empty() ? reason_
+                       : tooFew()         ? fmt::format("vertices of no small type are as many as {}", leastCount)
+                                          : "no type of small vertices is free of edges among themselves";
       return std::move(choice_);
     }
     if (automatic_ && !worthwhile()) {
@@ -103,6 +104,18 @@ class Chooser {
  private:
   const VertexType& type(int index) const {
     return *problem_.graph().registry()->vertexTypes()[static_cast<std::size_t>(index)];
+  }
+
+  /// Whether there are small vertices, of each type fewer than what pays.
+  bool tooFew() const {
+    bool any = false;
+    for (int t = 0; t < static_cast<int>(members_.size()); ++t) {
+      const auto count = static_cast<int>(members_[static_cast<std::size_t>(t)].size());
+      if (count == 0 || dimensionOf(t) > mostDimension) continue;
+      if (count >= leastCount) return false;
+      any = true;
+    }
+    return any;
   }
 
   std::vector<int> candidates(const Options& options) const {

@@ -62,7 +62,9 @@ TEST_F(MarginalsFlag, CountsWhatTheCommandLineFixesAndLeavesTheOutputAsItIs) {
 
 TEST_F(MarginalsFlag, NamesVerticesThatHaveNone) {
   write("bearing.g2o", std::string(chain) + "VERTEX_XY 7 1 1\nEDGE_BEARING_SE2_XY 0 7 0.7853981633974483 100\n");
-  EXPECT_EQ(run("optimize bearing.g2o --marginals covariances.txt").exitCode, 0);
+  const nlohmann::json report = optimize("bearing.g2o --marginals covariances.txt");
+  EXPECT_EQ(report["marginals"]["undetermined"], nlohmann::json::array({7}));
+  EXPECT_EQ(report["marginals"]["written"], true);
   const std::string text = read("covariances.txt");
   EXPECT_THAT(text, HasSubstr("# vertex 7 is not constrained in every direction"));
   EXPECT_THAT(covariance(text, "VERTEX_XY", 7), testing::IsEmpty());
@@ -71,7 +73,8 @@ TEST_F(MarginalsFlag, NamesVerticesThatHaveNone) {
 
 TEST_F(MarginalsFlag, EndsWithFourWhereNoVertexHasOne) {
   write("chain.g2o", chain);
-  const CommandResult result = run("optimize chain.g2o --gauge free --marginals covariances.txt -o out.g2o");
+  const CommandResult result = run("optimize chain.g2o --gauge free --marginals covariances.txt -o out.g2o --json r");
+  EXPECT_EQ(nlohmann::json::parse(read("r"))["marginals"]["written"], false);
   EXPECT_EQ(result.exitCode, 4);
   EXPECT_THAT(result.err, HasSubstr("chain.g2o: --marginals: covariances do not exist: "));
   EXPECT_TRUE(exists("out.g2o"));
@@ -84,6 +87,26 @@ TEST_F(MarginalsFlag, AreNotComputedForADescentThatWasStopped) {
   EXPECT_EQ(result.exitCode, 5);
   EXPECT_THAT(result.err, HasSubstr("--marginals: not computed"));
   EXPECT_FALSE(exists("covariances.txt"));
+}
+
+TEST_F(MarginalsFlag, AreWrittenThoughNobodyReadsTheProgress) {
+  write("chain.g2o", chain);
+  run("optimize chain.g2o -o out.g2o --json report.json --marginals covariances.txt | true");
+  EXPECT_TRUE(exists("out.g2o"));
+  EXPECT_TRUE(exists("report.json"));
+  EXPECT_TRUE(exists("covariances.txt"));
+}
+
+TEST_F(MarginalsFlag, OfThousandsOfOpenPointsTakeNoTime) {
+  std::string text = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 4 0 0 4 0 100\n";
+  for (int i = 0; i < 20000; ++i) {
+    text += "VERTEX_XY " + std::to_string(10 + i) + " 1 " + std::to_string(1 + i % 7) + "\n";
+    text += "EDGE_BEARING_SE2_XY 0 " + std::to_string(10 + i) + " 0.5 100\n";
+  }
+  write("many.g2o", text);
+  const nlohmann::json report = optimize("many.g2o --fix 0 --marginals covariances.txt --time-limit 60");
+  EXPECT_EQ(report["marginals"]["vertices"], 1);
+  EXPECT_EQ(report["marginals"]["undetermined"].size(), 20000u);
 }
 
 TEST_F(MarginalsFlag, MayNotReplaceTheGraphOrAnotherOutput) {

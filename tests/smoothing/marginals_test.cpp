@@ -202,6 +202,58 @@ TEST(Marginals, AFreeGaugeLeavesNothing) {
   EXPECT_THAT(marginals.vertices(), testing::IsEmpty());
 }
 
+/// A long walk that hangs on a fixed pose by one point alone turns about it, whatever the unit of length; elimination
+/// leaves far more of that than rounding.
+TEST(Marginals, AHingeLeavesItsMapUndetermined) {
+  for (const double unit : {1.0, 1e6, 1e-6}) {
+    for (const int poses : {20, 3000}) {
+      Graph graph(builtinRegistry());
+      std::mt19937 random(9);
+      std::normal_distribution<double> normal;
+      const Matrix<double, 3, 3> information =
+          Vector<double, 3>(100.0 / unit / unit, 44.0 / unit / unit, 900.0).asDiagonal();
+      const Matrix<double, 2, 2> sighting = 25.0 / unit / unit * Matrix<double, 2, 2>::Identity();
+      SE2<double> pose;
+      for (int i = 0; i < poses; ++i) {
+        graph.addVertex<VertexSE2>(i, pose);
+        pose =
+            pose * SE2<double>((1.0 + 0.1 * normal(random)) * unit, 0.1 * normal(random) * unit, 0.2 * normal(random));
+      }
+      const auto at = [&](int i) { return graph.vertex<VertexSE2>(i).estimate(); };
+      for (int i = 0; i + 1 < poses; ++i) graph.addEdge<EdgeSE2>({i, i + 1}, at(i).between(at(i + 1)), information);
+      for (int i = 0; i + 40 < poses; i += 7)
+        graph.addEdge<EdgeSE2>({i, i + 40}, at(i).between(at(i + 40)), information);
+      // Pose 100000 is fixed and sees the point in which the walk is hinged; 100002 hangs on it firmly.
+      const Vector<double, 2> hinge(0.5 * unit, -0.3 * unit);
+      graph.addVertex<VertexSE2>(100000, SE2<double>(-1.0 * unit, 0.0, 0.3)).setFixed(true);
+      graph.addVertex<VertexXY>(100001, hinge);
+      graph.addVertex<VertexSE2>(100002, SE2<double>(-2.0 * unit, 0.0, 0.1));
+      const SE2<double> fixed(-1.0 * unit, 0.0, 0.3);
+      graph.addEdge<EdgeSE2XY>({100000, 100001}, fixed.actInverse(hinge), sighting);
+      graph.addEdge<EdgeSE2XY>({0, 100001}, at(0).actInverse(hinge), sighting);
+      graph.addEdge<EdgeSE2>({100000, 100002}, fixed.between(SE2<double>(-2.0 * unit, 0.0, 0.1)), information);
+      const Marginals marginals(graph);
+      EXPECT_TRUE(marginals.ok()) << marginals.reason();
+      EXPECT_EQ(marginals.undetermined().size(), static_cast<std::size_t>(poses)) << unit << " " << poses;
+      EXPECT_THAT(marginals.vertices(), testing::ElementsAre(100001, 100002)) << unit << " " << poses;
+      if (!marginals.ok() || marginals.vertices().size() != 2) continue;
+      EXPECT_LE((marginals.covariance(100001) - sighting.inverse()).norm(), 1e-9 * sighting.inverse().norm());
+      EXPECT_LE((marginals.covariance(100002) - information.inverse()).norm(), 1e-9 * information.inverse().norm());
+    }
+  }
+}
+
+TEST(Marginals, APointOfOpenDepthIsUndeterminedBesideFixedPosesToo) {
+  Graph graph(builtinRegistry());
+  graph.addVertex<VertexSE2>(0, SE2<double>()).setFixed(true);
+  graph.addVertex<VertexXY>(1, Vector<double, 2>(3.0, 1.0));
+  graph.addEdge<EdgeSE2XY>({0, 1}, Vector<double, 2>(3.0, 1.0),
+                           Matrix<double, 2, 2>(Vector<double, 2>(0.0, 4.0).asDiagonal()));
+  const Marginals marginals(graph);
+  EXPECT_FALSE(marginals.ok());
+  EXPECT_THAT(marginals.undetermined(), testing::ElementsAre(1));
+}
+
 /// Two walks, of which one floats: its vertices alone are undetermined.
 TEST(Marginals, AFloatingPartIsLeftOut) {
   Graph graph = walk(5, true);
@@ -221,6 +273,7 @@ TEST(Marginals, VerticesWithoutCovarianceAreRefusedByName) {
   EXPECT_THAT([&] { marginals.covariance(77); }, testing::ThrowsMessage<GraphError>(testing::HasSubstr("vertex 77")));
   EXPECT_THAT([&] { marginals.covariance(5, 4711); }, testing::ThrowsMessage<GraphError>(testing::HasSubstr("4711")));
   EXPECT_THAT(marginals.vertices(), testing::Not(testing::Contains(77)));
+  EXPECT_THAT(marginals.undetermined(), testing::ElementsAre(77));
 }
 
 TEST(Marginals, APartOfTheGraphIsRelativeToTheRest) {

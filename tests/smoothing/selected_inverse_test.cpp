@@ -68,6 +68,7 @@ TEST(SelectedInverse, LeavesOutWhatHasNoInverse) {
     ASSERT_EQ(inverse.pinned().size(), 1u) << difference;
     EXPECT_LE(inverse.pinned().front().block, 1);
     EXPECT_EQ(inverse.pinned().front().coordinate, 1);
+    EXPECT_EQ(inverse.pinned().front().moved.size(), 2u);
     EXPECT_EQ(*inverse.find(2, 2), Eigen::MatrixXd::Identity(2, 2));
     Eigen::MatrixXd other = Eigen::MatrixXd::Identity(2, 2);
     const int pinned = inverse.pinned().front().block;
