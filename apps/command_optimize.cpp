@@ -156,7 +156,7 @@ class Run {
 
   /// Covariances where the descent ended by itself; what keeps them from being had is kept for the end.
   void saveMarginals(Graph& graph) {
-    OptimizeReport::MarginalsReport& report = report_.marginals.emplace();
+    MarginalsReport& report = report_.marginals.emplace();
     if (exitCodeOf(report_.summary.status) != exitSuccess) {
       report.reason = "not computed: the descent did not end at an estimate of its own";
       return;

@@ -13,6 +13,15 @@
 
 namespace quiver::app {
 
+/// What became of the covariances that were asked for.
+struct MarginalsReport {
+  std::int64_t vertices = 0;
+  std::vector<std::int64_t> undetermined;
+  /// What kept them from being had; empty if they are written.
+  std::string reason;
+  bool stopped = false;
+};
+
 /// Everything a run of `quiver optimize` has to report.
 struct OptimizeReport {
   Summary summary;
@@ -22,14 +31,6 @@ struct OptimizeReport {
   double loadSeconds = 0.0;
   double initializeSeconds = 0.0;
   double saveSeconds = 0.0;
-  /// What became of the covariances that were asked for.
-  struct MarginalsReport {
-    std::int64_t vertices = 0;
-    std::vector<std::int64_t> undetermined;
-    /// What kept them from being had; empty if they are written.
-    std::string reason;
-    bool stopped = false;
-  };
   std::optional<MarginalsReport> marginals;
   /// NaN if none were computed.
   double marginalsSeconds = std::numeric_limits<double>::quiet_NaN();

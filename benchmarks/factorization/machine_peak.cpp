@@ -42,7 +42,7 @@ struct Loop {
 typedef double Four __attribute__((vector_size(32)));
 typedef double Eight __attribute__((vector_size(64)));
 __attribute__((target("avx2,fma"))) double fours(double seed) { return chainsOf<Four>(seed); }
-__attribute__((target("avx512f,prefer-vector-width=512"))) double eights(double seed) { return chainsOf<Eight>(seed); }
+__attribute__((target("avx512f"))) double eights(double seed) { return chainsOf<Eight>(seed); }
 
 /// Which of them is the peak depends on how many vectors of eight a core takes at once, and on its clock with them.
 std::vector<Loop> loops() {
