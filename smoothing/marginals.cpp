@@ -144,7 +144,9 @@ std::vector<std::int64_t> Marginals::Contents::idsOf(Known::Kind kind) const {
 
 std::string Marginals::Contents::describeFailure(const Problem& problem, const Options& options) const {
   NormalEquations equations;
-  equations.analyze(problem, options, problem.threads());
+  Options unlimited = options;
+  unlimited.memoryLimit = 0;  // less is needed than was just there
+  equations.analyze(problem, unlimited, problem.threads());
   equations.linearize(problem.state());
   const LinearOutcome outcome{.kind = LinearOutcome::Kind::notPositiveDefinite,
                               .variable = inverse.pinned().front().block,

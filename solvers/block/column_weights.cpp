@@ -1,5 +1,7 @@
 #include <quiver/solvers/block/column_weights.h>
 
+#include <numeric>
+
 namespace quiver {
 namespace {
 
@@ -55,7 +57,13 @@ class RowSubtrees {
 
 std::vector<std::int64_t> columnWeights(const BlockGraph& graph, std::span<const int> order,
                                         const EliminationTree& tree, std::span<const int> weights) {
-  const std::vector<int> post = postorder(tree.parent);
+  std::vector<int> post;
+  if (isPostordered(tree.parent)) {
+    post.resize(tree.parent.size());
+    std::iota(post.begin(), post.end(), 0);
+  } else {
+    post = postorder(tree.parent);
+  }
   const OrderedGraph ordered(graph, order);
   RowSubtrees subtrees(tree.parent, post);
   // Of each column, diagonal included, less those of its children: they overlap in what leaves and ancestors tell.

@@ -57,6 +57,19 @@ EliminationTree::EliminationTree(const BlockGraph& graph, std::span<const int> o
   }
 }
 
+bool isPostordered(std::span<const int> parent) {
+  std::vector<int> size(parent.size(), 1);
+  for (std::size_t j = 0; j < parent.size(); ++j) {
+    if (parent[j] >= 0) size[static_cast<std::size_t>(parent[j])] += size[j];
+  }
+  // Every subtree in a run as long as its root's has room for exactly those that belong there.
+  for (std::size_t j = 0; j < parent.size(); ++j) {
+    const int up = parent[j];
+    if (up >= 0 && static_cast<int>(j) - size[j] < up - size[static_cast<std::size_t>(up)]) return false;
+  }
+  return true;
+}
+
 std::vector<int> postorder(std::span<const int> parent, std::span<const double> weight) {
   const std::size_t count = parent.size();
   std::vector<int> sorted(count);

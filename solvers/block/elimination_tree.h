@@ -85,6 +85,10 @@ struct EliminationTree {
   EliminationTree(const BlockGraph& graph, std::span<const int> order);
 };
 
+/// Whether 0, 1, 2, … is a postorder of a forest given by parents: every subtree is a run that ends with its root.
+/// O(nodes).
+bool isPostordered(std::span<const int> parent);
+
 /// A postorder of a forest given by parents: result[k] is the node visited k-th. Children are visited in ascending
 /// order of `weight` (ties and an empty weight: ascending index). O(nodes log nodes).
 std::vector<int> postorder(std::span<const int> parent, std::span<const double> weight = {});

@@ -44,8 +44,8 @@ void FactorPlanBuilder::analyzeStructure(int threads) {
   const BlockGraph graph(pattern_);
   order_ = naturalOrdering(pattern_.blocks()).order;
   EliminationTree tree(graph, order_);
-  std::vector<int> post = postorder(tree.parent);
-  if (post != order_) {
+  if (!isPostordered(tree.parent)) {
+    std::vector<int> post = postorder(tree.parent);
     // The same tree with its nodes renumbered.
     const std::vector<int> position = positionsOf(post);
     const std::vector<int> parent = std::move(tree.parent);

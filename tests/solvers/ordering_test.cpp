@@ -107,30 +107,36 @@ TEST(EliminationTree, structureAndSizesEqualDenseElimination) {
       const BlockPattern pattern = randomPattern(shape, blocks, random);
       std::vector<int> order(static_cast<std::size_t>(blocks));
       std::iota(order.begin(), order.end(), 0);
+      std::vector<std::vector<int>> orders{order, amdOrdering(pattern).order};
       std::shuffle(order.begin(), order.end(), random);
-      const auto filled = eliminateNaively(pattern, order);
-      const BlockGraph graph(pattern);
-      const EliminationTree tree(graph, order);
-      const FactorPattern factor(graph, order, tree);
-      FactorSize expected;
-      for (int j = 0; j < blocks; ++j) {
-        std::vector<int> rows;
-        std::int64_t below = 0;
-        for (int i = j + 1; i < blocks; ++i) {
-          if (!filled[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]) continue;
-          rows.push_back(i);
-          below += pattern.layout().dimension(order[static_cast<std::size_t>(i)]);
+      orders.push_back(order);
+      for (const std::vector<int>& order : orders) {
+        const auto filled = eliminateNaively(pattern, order);
+        const BlockGraph graph(pattern);
+        const EliminationTree tree(graph, order);
+        const FactorPattern factor(graph, order, tree);
+        FactorSize expected;
+        for (int j = 0; j < blocks; ++j) {
+          std::vector<int> rows;
+          std::int64_t below = 0;
+          for (int i = j + 1; i < blocks; ++i) {
+            if (!filled[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]) continue;
+            rows.push_back(i);
+            below += pattern.layout().dimension(order[static_cast<std::size_t>(i)]);
+          }
+          EXPECT_TRUE(std::ranges::equal(factor.column(j), rows));
+          EXPECT_EQ(tree.parent[static_cast<std::size_t>(j)], rows.empty() ? -1 : rows.front());
+          for (int c = 1; c <= pattern.layout().dimension(order[static_cast<std::size_t>(j)]); ++c) {
+            expected.nonzeros += below + c;
+            expected.flops += static_cast<double>((below + c) * (below + c));
+          }
         }
-        EXPECT_TRUE(std::ranges::equal(factor.column(j), rows));
-        EXPECT_EQ(tree.parent[static_cast<std::size_t>(j)], rows.empty() ? -1 : rows.front());
-        for (int c = 1; c <= pattern.layout().dimension(order[static_cast<std::size_t>(j)]); ++c) {
-          expected.nonzeros += below + c;
-          expected.flops += static_cast<double>((below + c) * (below + c));
-        }
+        const FactorSize size = predictFactor(pattern, order);
+        EXPECT_EQ(size.nonzeros, expected.nonzeros);
+        EXPECT_EQ(size.flops, expected.flops);
+        const std::vector<int> post = postorder(tree.parent);
+        EXPECT_EQ(isPostordered(tree.parent), std::ranges::is_sorted(post));
       }
-      const FactorSize size = predictFactor(pattern, order);
-      EXPECT_EQ(size.nonzeros, expected.nonzeros);
-      EXPECT_EQ(size.flops, expected.flops);
     }
   }
 }
