@@ -147,7 +147,8 @@ void SingleVariable::sumPanel(const Piece& piece, int first, int count, const Ed
   const Role& known = roles_[static_cast<std::size_t>(piece.batch)];
   const auto sum = known.sum ? known.sum : LaneProducts::sum(set_, shape.rows, dimension_);
   const int groups = (count + lanes - 1) / lanes;
-  double weights[Panel::capacity] = {};  // lanes without an edge add nothing
+  double weights[Panel::capacity];
+  std::fill(weights + count, weights + groups * lanes, 0.0);  // lanes without an edge add nothing
   for (int role = 0; role < static_cast<int>(shape.columns.size()); ++role) {
     if (known.common >= 0 && role != known.common) continue;
     bool any = known.common >= 0;

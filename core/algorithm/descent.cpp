@@ -95,8 +95,9 @@ DampingScale& Descent::dampingScale() {
 
 int Descent::vectorThreads() const {
   constexpr double nanosecondsPerNumber = 1.0;
-  return worthwhileThreads(readyThreads(problem_.threads()),
-                           nanosecondsPerNumber * static_cast<double>(problem_.scalars()));
+  const auto scalars = static_cast<double>(problem_.scalars());
+  const int threads = worthwhileThreads(problem_.threads(), nanosecondsPerNumber * scalars);
+  return threads > 1 ? readyThreads(threads) : 1;
 }
 
 std::string Descent::describeBadEdge(const CostTotals& totals) const {

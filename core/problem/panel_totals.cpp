@@ -23,13 +23,16 @@ void PanelTotals::add(int first, int count, const double* squaredErrors, const d
       cost[lane] += costs[i + lane];
     }
   }
+  for (int lane = 0; i + lane < count; ++lane) {
+    chi2[lane] += squaredErrors[i + lane];
+    cost[lane] += costs[i + lane];
+  }
   std::copy_n(chi2, lanes, chi2_);
   std::copy_n(cost, lanes, cost_);
-  for (int lane = 0; i + lane < count; ++lane) {
-    chi2_[lane] += squaredErrors[i + lane];
-    cost_[lane] += costs[i + lane];
-  }
-  if (badEdge_ >= 0 || (std::isfinite(sumOf(chi2_)) && std::isfinite(sumOf(cost_)))) return;
+  double all[lanes];
+  for (int lane = 0; lane < lanes; ++lane) all[lane] = chi2[lane] + cost[lane];
+  // Should finite numbers add up to more than there is, no edge is found below.
+  if (badEdge_ >= 0 || std::isfinite(sumOf(all))) return;
   for (int edge = 0; edge < count && badEdge_ < 0; ++edge) {
     if (!std::isfinite(squaredErrors[edge]) || !std::isfinite(costs[edge])) badEdge_ = first + edge;
   }

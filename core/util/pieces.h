@@ -17,6 +17,7 @@ auto overPieces(std::size_t count, int threads, const Part& part, const Join& jo
   constexpr std::size_t most = 8;
   constexpr std::size_t least = 2048;
   const std::size_t pieces = std::clamp<std::size_t>(count / least, 1, most);
+  if (pieces == 1) return part(std::size_t{0}, count);
   std::array<decltype(part(count, count)), most> results{};
   parallelFor(static_cast<std::int64_t>(pieces), threads, [&](std::int64_t i) {
     const auto piece = static_cast<std::size_t>(i);
