@@ -1,4 +1,5 @@
 #include <cmath>
+#include <string_view>
 
 #include <quiver/core/algorithm/descent.h>
 #include <quiver/core/util/lane_sums.h>
@@ -17,6 +18,16 @@ constexpr int mostDetours = 3;
 constexpr double leap = 10.0;
 /// Of a cost: what no step can be seen to lower it by.
 constexpr double rounding = 1e-15;
+
+/// Full steps do not work: others may go on from the best estimate (false), or it ends here.
+bool giveUp(Descent& descent, bool careful, std::string_view reason) {
+  if (careful) {
+    descent.returnToBest();
+    return false;
+  }
+  descent.finish(Status::stalled, reason);
+  return true;
+}
 
 }  // namespace
 
@@ -63,24 +74,13 @@ bool gaussNewton(Descent& descent, bool careful) {
         descent.finishAtRest();
         return true;
       }
-      if (careful) {
-        descent.returnToBest();
-        return false;
-      }
-      descent.finish(Status::stalled, "a full step leads to errors that are not finite; try --algorithm lm");
-      return true;
+      return giveUp(descent, careful, "a full step leads to errors that are not finite; try --algorithm lm");
     }
     if (descent.accept(trial)) return true;
     const bool idle = descent.goesToAndFro(before);
     detours = above || idle ? detours + 1 : 0;
-    if (idle && detours > mostDetours) {
-      if (careful) {
-        descent.returnToBest();
-        return false;
-      }
-      descent.finish(Status::stalled, "full steps go to and fro and leave the cost as it is; try --algorithm lm");
-      return true;
-    }
+    if (idle && detours > mostDetours)
+      return giveUp(descent, careful, "full steps go to and fro and leave the cost as it is; try --algorithm lm");
     chord = std::abs(before - trial.cost) <= chordChange * before;
   }
   return true;
