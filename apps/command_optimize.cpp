@@ -170,6 +170,10 @@ class Run {
       report.reason = marginals.reason();
       report.vertices = static_cast<std::int64_t>(marginals.vertices().size());
       report.undetermined = marginals.undetermined();
+      report.relativeError = marginals.relativeError();
+      if (report.relativeError > 0.1)
+        say(fmt::format("--marginals: the system is nearly singular: what is known least is off by {:.0f} % and more",
+                        100.0 * report.relativeError));
       if (marginals.ok()) saveText(flags_.marginals, describeMarginals(marginals, changed));
       report.stopped = !marginals.ok() && StopCondition(options.timeLimit, options.stopToken).reached();
     });

@@ -1,6 +1,7 @@
 #include <quiver/smoothing/marginals.h>
 
 #include <algorithm>
+#include <limits>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -35,10 +36,12 @@ struct Marginals::Contents {
   SelectedInverse inverse;
   std::unordered_map<std::int64_t, Known> vertices;
   std::int64_t scalars = 0;
+  double relativeError = 0.0;
 
   void compute(Graph& graph, const Options& options);
   void list(const Problem& problem);
   void invert(Problem& problem, const Options& options);
+  void estimateError(const Problem& problem, const BlockMatrix& matrix, std::span<const double> diagonal);
   std::string describeFailure(const Problem& problem, const Options& options) const;
   std::vector<std::int64_t> idsOf(Known::Kind kind) const;
   const Known& known(std::int64_t id) const;
@@ -130,7 +133,44 @@ void Marginals::Contents::invert(Problem& problem, const Options& options) {
     for (const int variable : pinned.moved)
       vertices[problem.vertex(problem.slotOfVariable(variable)).id()].kind = Known::Kind::undetermined;
   }
-  if (idsOf(Known::Kind::variable).empty()) reason = describeFailure(problem, options);
+  if (idsOf(Known::Kind::variable).empty()) {
+    reason = describeFailure(problem, options);
+  } else {
+    estimateError(problem, matrix, diagonal);
+  }
+}
+
+void Marginals::Contents::estimateError(const Problem& problem, const BlockMatrix& matrix,
+                                        std::span<const double> diagonal) {
+  double largest = 0.0;
+  std::int64_t least = -1;  // known scalar, in units of its own
+  for (int v = 0; v < problem.variables(); ++v) {
+    if (vertices[problem.vertex(problem.slotOfVariable(v)).id()].kind != Known::Kind::variable) continue;
+    const Eigen::MatrixXd own = *inverse.find(v, v);
+    for (Eigen::Index i = 0; i < own.rows(); ++i) {
+      const std::int64_t at = problem.offset(v) + i;
+      const double share = own(i, i) * diagonal[static_cast<std::size_t>(at)];
+      if (!(share > largest)) continue;
+      largest = share;
+      least = at;
+    }
+  }
+  if (least < 0) return;
+  Eigen::VectorXd unit = Eigen::VectorXd::Zero(scalars);
+  unit[least] = 1.0;
+  const Eigen::VectorXd z = inverse.solve(unit);
+  double size = 0.0;
+  const BlockPattern& pattern = matrix.pattern();
+  for (int column = 0; column < pattern.blocks(); ++column) {
+    for (std::int64_t k = pattern.columnBegin(column); k < pattern.columnEnd(column); ++k) {
+      const int row = pattern.row(k);
+      const auto rows = z.segment(problem.offset(row), problem.dimension(row)).cwiseAbs();
+      const auto columns = z.segment(problem.offset(column), problem.dimension(column)).cwiseAbs();
+      const Eigen::Map<const Eigen::MatrixXd> block(matrix.block(k), rows.size(), columns.size());
+      size += (row == column ? 1.0 : 2.0) * rows.dot(block.cwiseAbs() * columns);
+    }
+  }
+  relativeError = std::numeric_limits<double>::epsilon() * size / z[least];
 }
 
 std::vector<std::int64_t> Marginals::Contents::idsOf(Known::Kind kind) const {
@@ -195,6 +235,7 @@ Marginals& Marginals::operator=(Marginals&&) noexcept = default;
 
 bool Marginals::ok() const { return contents_->reason.empty(); }
 const std::string& Marginals::reason() const { return contents_->reason; }
+double Marginals::relativeError() const { return contents_->relativeError; }
 const GaugeReport& Marginals::gauge() const { return contents_->gauge; }
 
 std::vector<std::int64_t> Marginals::vertices() const {

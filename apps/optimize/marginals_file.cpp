@@ -31,6 +31,12 @@ std::string describeMarginals(const Marginals& marginals, const Graph& graph) {
   }
   for (const std::int64_t id : marginals.undetermined())
     comments.insert(fmt::format("# vertex {} is not constrained in every direction: it has no covariance\n", id));
+  constexpr double coarse = 1e-3;
+  if (marginals.relativeError() > coarse) {
+    comments.insert(fmt::format(
+        "# The system is nearly singular: variances of what is known least are off by {:.0e} of themselves.\n",
+        marginals.relativeError()));
+  }
   return fmt::format(
       "# Covariances of the estimates: tag, id, upper triangle row by row in the directions of the tangent.\n"
       "# Gauge: {}; what was held has zeros.\n{}{}",

@@ -103,6 +103,7 @@ Json describeRun(const OptimizeReport& report, const Json& input) {
     json["marginals"] = {{"written", report.marginals->reason.empty()},
                          {"vertices", report.marginals->vertices},
                          {"undetermined", report.marginals->undetermined},
+                         {"relative_error", number(report.marginals->relativeError)},
                          {"reason", report.marginals->reason}};
   }
   json["peak_memory_bytes"] = peakMemoryBytes();

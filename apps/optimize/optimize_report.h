@@ -17,6 +17,8 @@ namespace quiver::app {
 struct MarginalsReport {
   std::int64_t vertices = 0;
   std::vector<std::int64_t> undetermined;
+  /// Of the variance known least.
+  double relativeError = 0.0;
   /// What kept them from being had; empty if they are written.
   std::string reason;
   bool stopped = false;

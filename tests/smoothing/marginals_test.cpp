@@ -140,6 +140,30 @@ TEST(Marginals, OfAChainPropagate) {
   EXPECT_LE((between - information.inverse()).norm(), 1e-9);
 }
 
+/// The heading at the end of a chain has the variance of all its steps. Where rounding spoils it, the estimate of the
+/// error says so.
+TEST(Marginals, TellHowFarRoundingSpoilsThem) {
+  for (const int length : {100, 1000, 10000, 100000}) {
+    Graph graph(builtinRegistry());
+    SE2<double> pose;
+    for (int i = 0; i < length; ++i) {
+      graph.addVertex<VertexSE2>(i, pose);
+      const SE2<double> step(1.0, 0.0, 3e-3 * std::sin(0.01 * i));
+      if (i > 0)
+        graph.addEdge<EdgeSE2>({i - 1, i}, graph.vertex<VertexSE2>(i - 1).estimate().between(pose), weights(100, 900));
+      pose = pose * step;
+    }
+    const Marginals marginals(graph);
+    ASSERT_TRUE(marginals.ok()) << marginals.reason();
+    const double expected = (length - 1) / 900.0;
+    const double error = std::abs(marginals.covariance(length - 1)(2, 2) - expected) / expected;
+    EXPECT_LE(error, 10.0 * marginals.relativeError() + 1e-12) << length;
+    EXPECT_LE(marginals.relativeError(), 1e5 * error + 1e-9) << length;
+    if (length <= 1000) EXPECT_LT(marginals.relativeError(), 1e-3);
+    if (length == 100000) EXPECT_GT(marginals.relativeError(), 0.1);
+  }
+}
+
 TEST(Marginals, RobustKernelsCountByTheirWeight) {
   Graph graph(builtinRegistry());
   graph.addVertex<VertexSE2>(0, SE2<double>(3.0, 4.0, 0.0));
