@@ -172,8 +172,9 @@ class Run {
       report.undetermined = marginals.undetermined();
       report.relativeError = marginals.relativeError();
       if (report.relativeError > 0.1)
-        say(fmt::format("--marginals: the system is nearly singular: what is known least is off by {:.0f} % and more",
-                        100.0 * report.relativeError));
+        say(fmt::format(
+            "--marginals: the system is nearly singular: variances of what is known least may be off by {:.0f} %",
+            100.0 * report.relativeError));
       if (marginals.ok()) saveText(flags_.marginals, describeMarginals(marginals, changed));
       report.stopped = !marginals.ok() && StopCondition(options.timeLimit, options.stopToken).reached();
     });

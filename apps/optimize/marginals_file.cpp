@@ -34,7 +34,7 @@ std::string describeMarginals(const Marginals& marginals, const Graph& graph) {
   constexpr double coarse = 1e-3;
   if (marginals.relativeError() > coarse) {
     comments.insert(fmt::format(
-        "# The system is nearly singular: variances of what is known least are off by {:.0e} of themselves.\n",
+        "# The system is nearly singular: variances of what is known least may be off by {:.0e} of themselves.\n",
         marginals.relativeError()));
   }
   return fmt::format(
