@@ -34,6 +34,13 @@ TEST(Elimination, IsChosenForBundles) {
   EXPECT_FALSE(summary.plan.eliminationReason.empty());
 }
 
+TEST(Elimination, SaysWhyNotOfFewPoints) {
+  Graph graph = bundle({.points = 12});
+  const Summary summary = optimize(graph, {.maxIterations = 1, .threads = 1});
+  EXPECT_EQ(summary.plan.eliminated, 0);
+  EXPECT_EQ(summary.plan.eliminationReason, "vertices of no small type are as many as 16");
+}
+
 TEST(Elimination, HintsOfAnyKindLeadToTheSameOptimum) {
   Graph reference = bundle({});
   const Summary expected = optimize(reference, withTypes({}));
