@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <csignal>
+#include <exception>
 #include <optional>
 
 #include <fmt/format.h>
@@ -189,9 +190,17 @@ class Run {
       saveGraph(flags_.output, loaded.graph, flags_.source.threads);
     }
     report_.saveSeconds = watch.seconds();
-    if (!flags_.marginals.empty()) saveMarginals(loaded.graph);
+    // Should this file fail, the report is written all the same.
+    std::exception_ptr lost;
+    try {
+      if (!flags_.marginals.empty()) saveMarginals(loaded.graph);
+    } catch (const OutputError& error) {
+      lost = std::current_exception();
+      report_.marginals->reason = error.what();
+    }
     report_.totalSeconds = whole_.seconds();
     if (!flags_.json.empty()) saveJson(flags_.json, describeRun(report_, describeInput(flags_.source, loaded)));
+    if (lost) std::rethrow_exception(lost);
   }
 
   OptimizeFlags flags_;

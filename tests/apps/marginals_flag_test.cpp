@@ -109,6 +109,15 @@ TEST_F(MarginalsFlag, OfThousandsOfOpenPointsTakeNoTime) {
   EXPECT_EQ(report["marginals"]["undetermined"].size(), 20000u);
 }
 
+TEST_F(MarginalsFlag, ThatCannotBeWrittenCostNothingElse) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
+  write("chain.g2o", chain);
+  EXPECT_EQ(run("optimize chain.g2o --marginals /dev/full -o out.g2o --json report.json").exitCode, 6);
+  EXPECT_TRUE(exists("out.g2o"));
+  ASSERT_TRUE(exists("report.json"));
+  EXPECT_EQ(nlohmann::json::parse(read("report.json"))["marginals"]["written"], false);
+}
+
 TEST_F(MarginalsFlag, MayNotReplaceTheGraphOrAnotherOutput) {
   write("chain.g2o", chain);
   EXPECT_EQ(run("optimize chain.g2o --marginals chain.g2o").exitCode, 2);
