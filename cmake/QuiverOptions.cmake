@@ -61,7 +61,8 @@ endif()
 # Warnings and sanitizers for everything of ours; never exported to users.
 add_library(quiver_flags INTERFACE)
 target_compile_features(quiver_flags INTERFACE cxx_std_20)
-target_compile_options(quiver_flags INTERFACE -Wall -Wextra -Wno-psabi -fno-math-errno)
+# Without interposition functions of the library call and inline each other directly: nobody replaces single ones.
+target_compile_options(quiver_flags INTERFACE -Wall -Wextra -Wno-psabi -fno-math-errno -fno-semantic-interposition)
 
 # The public include folder: build/include/quiver/<folder> links to the source folder, so that
 # <quiver/core/...> is spelled the same in the build tree and after installation.

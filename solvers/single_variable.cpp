@@ -25,10 +25,8 @@ bool SingleVariable::serves(const Problem& problem) { return problem.variables()
 
 int SingleVariable::roleOf(int batch, int edge) const {
   const auto slots = problem_->batch(batch).slots(edge);
-  for (std::size_t role = 0; role < slots.size(); ++role) {
-    if (problem_->variableOfSlot(slots[role]) == 0) return static_cast<int>(role);
-  }
-  return -1;
+  const auto at = std::find(slots.begin(), slots.end(), problem_->slotOfVariable(0));
+  return at == slots.end() ? -1 : static_cast<int>(at - slots.begin());
 }
 
 void SingleVariable::analyze(const Problem& problem, const Options&, int threads) {
@@ -44,8 +42,9 @@ void SingleVariable::analyze(const Problem& problem, const Options&, int threads
     Role role;
     if (batch.uniform()) {
       role.common = roleOf(b, 0);
+      const int slot = problem.slotOfVariable(0);
       for (int i = 1; i < batch.size() && role.common >= 0; ++i) {
-        if (roleOf(b, i) != role.common) role.common = -1;
+        if (batch.slots(i)[static_cast<std::size_t>(role.common)] != slot) role.common = -1;
       }
       role.sum = LaneProducts::sum(set_, shape.rows, dimension_);
     }

@@ -194,33 +194,42 @@ int freeDirections(const Products& products, double noticed, Combinations& unsee
 /// Whether the first edges of a problem of one variable hold all its directions beyond doubt, as a few pixels of known
 /// points do for the pose of one camera: the pivots of their JᵀJ, scaled to a unit diagonal, are clearly positive.
 bool clearlyHeld(const Problem& problem) {
-  constexpr int few = 2 * Panel::lanes;
+  constexpr int lanes = Panel::lanes, few = 2 * lanes, mostDirections = 9;
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, mostDirections, mostDirections>;
   const EdgeBatch& batch = problem.batch(0);
-  if (!batch.uniform()) return false;
+  const int dimension = problem.dimension(0);
+  if (!batch.uniform() || dimension > mostDirections) return false;
   const EdgeShape shape = batch.largestShape();
   const int count = std::min(batch.size(), few);
-  const int dimension = problem.dimension(0);
   PanelBuffer buffer(shape, true, few);
+  const Panel& panel = buffer.panel();
   std::int32_t ids[few];
   std::iota(ids, ids + count, 0);
-  batch.linearize(problem.state(), {ids, static_cast<std::size_t>(count)}, buffer.panel());
-  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(dimension, dimension);
-  for (int i = 0; i < count; ++i) {
-    const auto slots = batch.slots(i);
-    for (std::size_t role = 0; role < slots.size(); ++role) {
-      if (problem.variableOfSlot(slots[role]) != 0) continue;
-      const double* const J =
-          buffer.panel().jacobian[role] + i / Panel::lanes * dimension * shape.rows * Panel::lanes + i % Panel::lanes;
-      const auto entry = [&](int r, int c) { return J[(c * shape.rows + r) * Panel::lanes]; };
-      for (int a = 0; a < dimension; ++a) {
-        for (int b = 0; b <= a; ++b) {
-          for (int r = 0; r < shape.rows; ++r) square(a, b) += entry(r, a) * entry(r, b);
+  batch.linearize(problem.state(), {ids, static_cast<std::size_t>(count)}, panel);
+  Square square = Square::Zero(dimension, dimension);
+  for (std::size_t role = 0; role < shape.columns.size(); ++role) {
+    double joins[few] = {};
+    for (int i = 0; i < count; ++i) joins[i] = batch.slots(i)[role] == problem.slotOfVariable(0) ? 1.0 : 0.0;
+    if (std::all_of(joins, joins + count, [](double one) { return one == 0.0; })) continue;
+    const auto numbers = [&](int group, int r, int column) {
+      return panel.jacobian[role] + ((group * dimension + column) * shape.rows + r) * lanes;
+    };
+    for (int a = 0; a < dimension; ++a) {
+      for (int b = 0; b <= a; ++b) {
+        double sums[lanes] = {};
+        for (int group = 0; group * lanes < count; ++group) {
+          for (int r = 0; r < shape.rows; ++r) {
+            const double *const first = numbers(group, r, a), *const second = numbers(group, r, b);
+            for (int k = 0; k < lanes; ++k) sums[k] += joins[group * lanes + k] * first[k] * second[k];
+          }
         }
+        square(a, b) += std::accumulate(sums, sums + lanes, 0.0);
       }
     }
   }
-  const Eigen::VectorXd scale = square.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<Eigen::MatrixXd> factor(scale.asDiagonal() * square * scale.asDiagonal());
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, mostDirections, 1> scale =
+      square.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<Square> factor(scale.asDiagonal() * square * scale.asDiagonal());
   return factor.info() == Eigen::Success && factor.matrixLLT().diagonal().minCoeff() > std::sqrt(clearlyNoticed);
 }
 

@@ -88,8 +88,7 @@ Edge& BulkAdder::addEdge(std::size_t part, int type, std::span<const std::int64_
   const auto t = static_cast<std::size_t>(type);
   const EdgeType& descriptor = *graph_.registry()->edgeTypes()[t];
   const Graph::EdgeShape& shape = graph_.shapes_[t];
-  graph_.checkVertices(descriptor, shape, vertices);
-  graph_.checkParameters(descriptor, shape, parameters);
+  graph_.check(descriptor, shape, vertices, parameters);
   const std::int64_t slot = parts_[part].slots.edges[t]++;
   Edge& edge = edgePools_[t]->at(slot);
   graph_.initialize(edge, type, slot, vertices, parameters);

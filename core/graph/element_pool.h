@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <type_traits>
@@ -9,14 +11,28 @@
 namespace quiver {
 
 /// All elements of one type, seen without the type. `Base` is Vertex, Edge or Parameter.
+///
+/// Elements lie in chunks: addresses never change, and a walk over a type is a walk over memory.
 template <typename Base>
 class ElementPool {
  public:
+  static constexpr std::int64_t chunkSize = 256;
+
   virtual ~ElementPool() = default;
   /// Number of slots, freed ones included; at() of a freed slot is a blank element.
-  virtual std::int64_t slots() const = 0;
-  virtual Base& at(std::int64_t slot) = 0;
-  virtual const Base& at(std::int64_t slot) const = 0;
+  std::int64_t slots() const { return size_; }
+  Base& at(std::int64_t slot) { return *place(chunks_[static_cast<std::size_t>(slot / chunkSize)], slot % chunkSize); }
+  const Base& at(std::int64_t slot) const { return const_cast<ElementPool*>(this)->at(slot); }
+  /// Calls visit(element) for every slot, in order.
+  template <typename Visit>
+  void forEach(Visit&& visit) {
+    const auto chunks = static_cast<std::int64_t>(chunks_.size());
+    for (std::int64_t chunk = 0; chunk < chunks && chunk * chunkSize < size_; ++chunk) {
+      const std::int64_t count = std::min(chunkSize, size_ - chunk * chunkSize);
+      std::byte* const first = chunks_[static_cast<std::size_t>(chunk)];
+      for (std::int64_t i = 0; i < count; ++i) visit(*place(first, i));
+    }
+  }
   struct Added {
     Base& element;
     std::int64_t slot;
@@ -34,16 +50,31 @@ class ElementPool {
   virtual std::int64_t append(std::int64_t count) = 0;
   /// Makes blank elements in appended slots. Thread safe for slots that differ.
   virtual void construct(std::int64_t first, std::int64_t count) noexcept = 0;
+
+ protected:
+  explicit ElementPool(std::size_t elementSize) : elementSize_(elementSize) {}
+
+  Base* place(std::byte* chunk, std::int64_t element) const {
+    return reinterpret_cast<Base*>(chunk + static_cast<std::size_t>(element) * elementSize_);
+  }
+
+  /// Where the Base of each chunk's first element is or will be.
+  std::vector<std::byte*> chunks_;
+  std::int64_t size_ = 0;
+
+ private:
+  std::size_t elementSize_;
 };
 
-/// Elements of type T in chunks: addresses never change, and a walk over a type is a walk over memory. Memory is
-/// touched when an element is made there, not before.
+/// Elements of type T. Memory is touched when an element is made there, not before.
 template <typename Base, typename T>
 class TypedPool final : public ElementPool<Base> {
- public:
-  static constexpr std::int64_t chunkSize = 256;
+  using ElementPool<Base>::chunkSize;
+  using ElementPool<Base>::chunks_;
+  using ElementPool<Base>::size_;
 
-  TypedPool() = default;
+ public:
+  TypedPool() : ElementPool<Base>(sizeof(T)) {}
   TypedPool(const TypedPool& other) : TypedPool() {
     makeRoom(other.size_);
     for (; size_ < other.size_; ++size_) std::construct_at(&get(size_), other.get(size_));
@@ -56,13 +87,11 @@ class TypedPool final : public ElementPool<Base> {
     }
   }
 
-  std::int64_t slots() const override { return size_; }
-  Base& at(std::int64_t slot) override { return get(slot); }
-  const Base& at(std::int64_t slot) const override { return get(slot); }
-  T& get(std::int64_t slot) { return chunks_[static_cast<std::size_t>(slot / chunkSize)][slot % chunkSize]; }
-  const T& get(std::int64_t slot) const {
-    return chunks_[static_cast<std::size_t>(slot / chunkSize)][slot % chunkSize];
+  T& get(std::int64_t slot) {
+    std::byte* const chunk = chunks_[static_cast<std::size_t>(slot / chunkSize)];
+    return static_cast<T*>(reinterpret_cast<Base*>(chunk))[slot % chunkSize];
   }
+  const T& get(std::int64_t slot) const { return const_cast<TypedPool*>(this)->get(slot); }
 
   typename ElementPool<Base>::Added add() override {
     if (!free_.empty()) {
@@ -129,12 +158,13 @@ class TypedPool final : public ElementPool<Base> {
     const std::int64_t missing = (count + chunkSize - 1) / chunkSize - static_cast<std::int64_t>(chunks_.size());
     if (missing <= 0) return;
     blocks_.emplace_back(missing * chunkSize);
-    for (std::int64_t i = 0; i < missing; ++i) chunks_.push_back(blocks_.back().data + i * chunkSize);
+    for (std::int64_t i = 0; i < missing; ++i) {
+      Base* const first = blocks_.back().data + i * chunkSize;
+      chunks_.push_back(reinterpret_cast<std::byte*>(first));
+    }
   }
 
   std::vector<Block> blocks_;
-  std::vector<T*> chunks_;
-  std::int64_t size_ = 0;
   std::vector<std::int64_t> free_;
 };
 

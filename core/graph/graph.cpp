@@ -138,8 +138,7 @@ int Graph::vertexTypeIndex(std::string_view cppName, std::size_t size) {
   return type->index();
 }
 
-int Graph::edgeTypeIndex(std::string_view cppName, std::size_t size) {
-  if (lastEdgeType_.name == cppName.data()) return lastEdgeType_.index;
+int Graph::findEdgeTypeIndex(std::string_view cppName, std::size_t size) {
   const EdgeType* type = registry_->findEdgeTypeByName(cppName);
   if (!type)
     throw GraphError(
@@ -199,6 +198,21 @@ const Graph::EdgeShape& Graph::resolveShape(const EdgeType& type) {
   }
   shape.pool = &poolOf(edges_, type);
   return shapes_[index] = std::move(shape);
+}
+
+bool Graph::fits(const EdgeShape& shape, std::span<const std::int64_t> vertices,
+                 std::span<const std::int64_t> parameters) const {
+  constexpr std::size_t few = 3;
+  const std::size_t count = vertices.size();
+  if (count > few || count != shape.vertexTypes.size() || parameters.size() != shape.parameterTypes.size()) return false;
+  bool good = true;
+  for (std::size_t role = 0; role < count; ++role) {
+    good = good && vertexIds_.find(vertices[role]).type == shape.vertexTypes[role];
+    for (std::size_t before = 0; before < role; ++before) good = good && vertices[before] != vertices[role];
+  }
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    good = good && parameterIds_.find(parameters[i]).type == shape.parameterTypes[i];
+  return good;
 }
 
 void Graph::checkVertices(const EdgeType& type, const EdgeShape& shape, std::span<const std::int64_t> vertices) const {
@@ -267,8 +281,7 @@ Edge& Graph::addEdgeOf(int typeIndex, std::span<const std::int64_t> vertices,
                        std::span<const std::int64_t> parameters) {
   const EdgeType& type = *registry_->edgeTypes()[static_cast<std::size_t>(typeIndex)];
   const EdgeShape& shape = shapeOf(type);
-  checkVertices(type, shape, vertices);
-  checkParameters(type, shape, parameters);
+  check(type, shape, vertices, parameters);
   const auto [edge, slot] = shape.pool->add();
   initialize(edge, typeIndex, slot, vertices, parameters);
   ++edgeCount_;

@@ -157,6 +157,12 @@ class Graph {
     forEachIn(parameters_, visit, [](const Parameter& p) { return p.id_ >= 0; });
   }
 
+  /// At most so many edges of that type are here: places that removed ones left count. O(1).
+  std::int64_t edgeSlots(const EdgeType& type) const {
+    const auto index = static_cast<std::size_t>(type.index());
+    return index < edges_.size() && edges_[index] ? edges_[index]->slots() : 0;
+  }
+
   /// Reserves room for elements of a type.
   void reserve(const VertexType& type, std::int64_t count);
   void reserve(const EdgeType& type, std::int64_t count);
@@ -196,10 +202,9 @@ class Graph {
   static void forEachIn(PoolList& pools, Visit& visit, Alive alive) {
     for (auto& pool : pools) {
       if (!pool) continue;
-      for (std::int64_t slot = 0; slot < pool->slots(); ++slot) {
-        auto& element = pool->at(slot);
+      pool->forEach([&](auto& element) {
         if (alive(element)) visit(element);
-      }
+      });
     }
   }
 
@@ -216,7 +221,10 @@ class Graph {
 
   /// Throw GraphError if the type is not registered, or is another one of the same name.
   int vertexTypeIndex(std::string_view cppName, std::size_t size);
-  int edgeTypeIndex(std::string_view cppName, std::size_t size);
+  int edgeTypeIndex(std::string_view cppName, std::size_t size) {
+    return lastEdgeType_.name == cppName.data() ? lastEdgeType_.index : findEdgeTypeIndex(cppName, size);
+  }
+  int findEdgeTypeIndex(std::string_view cppName, std::size_t size);
   static void requireSize(const ElementType& type, std::size_t size);
   Vertex& addVertexOf(int type, std::int64_t id);
   Edge& addEdgeOf(int type, std::span<const std::int64_t> vertices, std::span<const std::int64_t> parameters);
@@ -232,8 +240,16 @@ class Graph {
   /// Resolved on first use.
   const EdgeShape& shapeOf(const EdgeType& type);
   const EdgeShape& resolveShape(const EdgeType& type);
-  /// Throw GraphError unless an edge of that type may join the vertices and use the parameters. They look at no
-  /// element.
+  /// Throws GraphError unless an edge of that type may join the vertices and use the parameters. Looks at no element.
+  void check(const EdgeType& type, const EdgeShape& shape, std::span<const std::int64_t> vertices,
+             std::span<const std::int64_t> parameters) const {
+    if (fits(shape, vertices, parameters)) return;
+    checkVertices(type, shape, vertices);
+    checkParameters(type, shape, parameters);
+  }
+  /// False if it may not, and for edges of many vertices.
+  bool fits(const EdgeShape& shape, std::span<const std::int64_t> vertices,
+            std::span<const std::int64_t> parameters) const;
   void checkVertices(const EdgeType& type, const EdgeShape& shape, std::span<const std::int64_t> vertices) const;
   void checkParameters(const EdgeType& type, const EdgeShape& shape, std::span<const std::int64_t> parameters) const;
   void initialize(Vertex& vertex, int type, std::int64_t id) const;

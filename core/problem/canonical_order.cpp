@@ -171,6 +171,15 @@ void sortByContent(const Graph& graph, std::span<const Edge*> edges) {
   std::transform(contents.begin(), contents.end(), edges.begin(), [](const EdgeContent& c) { return c.edge; });
 }
 
+bool joinTheSame(const std::vector<const Edge*>& edges) {
+  const auto first = edges[0]->vertexIds();
+  const auto same = [first](const Edge* edge) {
+    const auto ids = edge->vertexIds();
+    return ids.size() == first.size() && ids[0] == first[0] && std::ranges::equal(ids.subspan(1), first.subspan(1));
+  };
+  return std::all_of(edges.begin() + 1, edges.end(), same);
+}
+
 }  // namespace
 
 void sortVertices(const Graph& graph, std::vector<Vertex*>& vertices) {
@@ -196,6 +205,8 @@ void sortVertices(const Graph& graph, std::vector<Vertex*>& vertices) {
 }
 
 void sortEdges(const Graph& graph, std::vector<const Edge*>& edges) {
+  if (edges.size() < 2) return;
+  if (joinTheSame(edges)) return sortByContent(graph, edges);
   std::vector<EdgeIds> keys;
   keys.reserve(edges.size());
   for (const Edge* edge : edges) {

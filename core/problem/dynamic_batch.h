@@ -32,7 +32,7 @@ class DynamicBatch final : public EdgeBatch {
           : (Calls::hasJacobian ? Jacobians::analytic : (hasDual ? Jacobians::dual : Jacobians::numeric));
 
  public:
-  explicit DynamicBatch(const BatchSource& source) : EdgeBatch(source) {
+  explicit DynamicBatch(BatchSource& source) : EdgeBatch(source) {
     for (int i = 0; i < size(); ++i) {
       requireError(edge(i), typeName<E>(), typed(i).informationStore().dimension());
       for (const std::int32_t slot : slots(i)) {

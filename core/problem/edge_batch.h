@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <quiver/core/graph/edge.h>
@@ -28,7 +29,8 @@ struct BatchSource {
   const Graph& graph;
   const StateLayout& layout;
   std::vector<const Edge*> edges;
-  /// The slots of edge i are slots[begin[i]] … slots[begin[i + 1] − 1].
+  /// One edge after the other. If all edges have one arity, `begin` is empty; else the slots of edge i are
+  /// slots[begin[i]] … slots[begin[i + 1] − 1].
   std::vector<std::int32_t> slots;
   std::vector<std::int64_t> begin;
   /// Threads that compiling may use.
@@ -55,6 +57,7 @@ class EdgeBatch {
   int size() const { return static_cast<int>(edges_.size()); }
   const Edge& edge(int i) const { return *edges_[static_cast<std::size_t>(i)]; }
   std::span<const std::int32_t> slots(int i) const {
+    if (begin_.empty()) return {slots_.data() + static_cast<std::size_t>(i) * arity_, arity_};
     return {slots_.data() + begin_[static_cast<std::size_t>(i)],
             slots_.data() + begin_[static_cast<std::size_t>(i) + 1]};
   }
@@ -110,7 +113,13 @@ class EdgeBatch {
   void setStop(const StopCondition* stop) { stop_ = stop; }
 
  protected:
-  explicit EdgeBatch(const BatchSource& source) : edges_(source.edges), slots_(source.slots), begin_(source.begin) {}
+  /// Takes the lists out of the source.
+  explicit EdgeBatch(BatchSource& source)
+      : edges_(std::move(source.edges)),
+        slots_(std::move(source.slots)),
+        begin_(std::move(source.begin)),
+        arity_(edges_.empty() ? 0 : slots_.size() / edges_.size()) {}
+  const Edge* const* edges() const { return edges_.data(); }
   void countRefresh() { ++revision_; }
   const StopCondition* stopOfCostlyEdges() const {
     constexpr double costly = 200.0;
@@ -121,6 +130,7 @@ class EdgeBatch {
   std::vector<const Edge*> edges_;
   std::vector<std::int32_t> slots_;
   std::vector<std::int64_t> begin_;
+  std::size_t arity_;
   RobustCorrection correction_ = RobustCorrection::first;
   RowCost rowCost_;
   const StopCondition* stop_ = nullptr;

@@ -83,7 +83,7 @@ class FixedBatch final : public EdgeBatch {
   static constexpr bool multiplies = Form::lanes && multipliesInLoop<E>();
 
  public:
-  explicit FixedBatch(const BatchSource& source) : EdgeBatch(source), instructionSet_(detectInstructionSet()) {
+  explicit FixedBatch(BatchSource& source) : EdgeBatch(source), instructionSet_(detectInstructionSet()) {
     const std::int64_t count = size();
     records_.resize(static_cast<std::size_t>(count * Loop::arity));
     for (std::int64_t i = 0; i < count; ++i) {
@@ -93,8 +93,6 @@ class FixedBatch final : public EdgeBatch {
             source.layout.offset(slots[static_cast<std::size_t>(role)]);
       }
     }
-    objects_.reserve(static_cast<std::size_t>(count));
-    for (int i = 0; i < count; ++i) objects_.push_back(&edge(i));
     refresh(source.graph, source.threads);
   }
 
@@ -171,7 +169,7 @@ class FixedBatch final : public EdgeBatch {
  private:
   BatchView view(const State& state) const {
     return {constants_.data(), numbers_, records_.data(),    size(), state.data(), whitening_,
-            objects_.data(),   nullptr,  stopOfCostlyEdges()};
+            edges(),           nullptr,  stopOfCostlyEdges()};
   }
   BatchView view(const State& state, const EdgeRows& rows, std::int64_t first) const {
     BatchView result = view(state);
@@ -211,7 +209,11 @@ class FixedBatch final : public EdgeBatch {
         known = now;
         found.changed = true;
         found.whitening = std::max(found.whitening, whiteningOf(information(i), Loop::rows));
-        pack(graph, i);
+        if (inLanes()) {
+          pack<Panel::lanes>(graph, i);
+        } else {
+          pack<1>(graph, i);
+        }
       }
     });
     Found all;
@@ -222,11 +224,11 @@ class FixedBatch final : public EdgeBatch {
     return all;
   }
 
-  /// Lays out the constants of one edge. The last edge also fills the lanes behind it.
+  /// Lays out the constants of one edge, `step` edges side by side. The last edge also fills the lanes behind it.
+  template <int step>
   void pack(const Graph& graph, int i) {
     const E& edge = static_cast<const E&>(this->edge(i));
-    const std::int64_t step = inLanes() ? Panel::lanes : 1;
-    double* const first = constants_.data() + std::int64_t{i} / step * numbers_ * step + i % step;
+    double* const first = constants_.data() + std::int64_t{i} / step * step * numbers_ + i % step;
     double* next = first;
     const auto put = [&](double number) {
       *next = number;
@@ -303,7 +305,6 @@ class FixedBatch final : public EdgeBatch {
   InstructionSet instructionSet_;
   AlignedBuffer constants_;
   std::vector<std::int64_t> records_;
-  std::vector<const Edge*> objects_;
   BatchKernels kernels_;
   Whitening whitening_ = Whitening::triangular;
   int numbers_ = 0;

@@ -1,6 +1,7 @@
 #include <quiver/core/problem/problem.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -49,9 +50,9 @@ bool coversAll(std::uint64_t mask, int dimension) {
 }  // namespace
 
 Problem::Problem(Graph& graph, const ProblemScope& scope) : graph_(&graph), threads_(std::max(1, scope.threads)) {
-  std::vector<std::vector<const Edge*>> edges = collectEdges(scope);
-  const std::vector<std::int32_t> ends = collectVertices(scope, edges);
-  makeBatches(std::move(edges), ends);
+  EdgeLists edges = collectEdges(scope);
+  SlotLists ends = collectVertices(scope, edges);
+  makeBatches(std::move(edges), std::move(ends));
   state_ = State(layout_);
   loadState();
   trial_ = state_;
@@ -59,7 +60,7 @@ Problem::Problem(Graph& graph, const ProblemScope& scope) : graph_(&graph), thre
   makePanels();
 }
 
-std::vector<std::vector<const Edge*>> Problem::collectEdges(const ProblemScope& scope) const {
+Problem::EdgeLists Problem::collectEdges(const ProblemScope& scope) const {
   const std::vector<std::int64_t> free = [&] {
     std::vector<std::int64_t> ids = scope.free;
     std::sort(ids.begin(), ids.end());
@@ -68,7 +69,11 @@ std::vector<std::vector<const Edge*>> Problem::collectEdges(const ProblemScope& 
     }
     return ids;
   }();
-  std::vector<std::vector<const Edge*>> edges(graph_->registry()->edgeTypes().size());
+  EdgeLists edges(graph_->registry()->edgeTypes().size());
+  if (free.empty()) {
+    for (const auto& type : graph_->registry()->edgeTypes())
+      edges[static_cast<std::size_t>(type->index())].reserve(static_cast<std::size_t>(graph_->edgeSlots(*type)));
+  }
   std::as_const(*graph_).forEachEdge([&](const Edge& edge) {
     if (scope.level >= 0 && edge.level() != scope.level) return;
     if (!free.empty()) {
@@ -84,8 +89,7 @@ std::vector<std::vector<const Edge*>> Problem::collectEdges(const ProblemScope& 
   return edges;
 }
 
-std::vector<std::int32_t> Problem::findSlots(const ProblemScope& scope,
-                                             const std::vector<std::vector<const Edge*>>& edges) {
+Problem::SlotLists Problem::findSlots(const ProblemScope& scope, const EdgeLists& edges) {
   std::vector<Vertex*> known;
   if (scope.free.empty()) {
     known.reserve(static_cast<std::size_t>(graph_->vertexCount()));
@@ -100,21 +104,25 @@ std::vector<std::int32_t> Problem::findSlots(const ProblemScope& scope,
   sortVertices(*graph_, known);
   const SlotTable places(known);
   std::vector<std::int32_t> slotOf(known.size(), -1);
-  std::vector<std::int32_t> ends;
-  std::vector<std::int64_t> lastIds;
-  std::vector<std::int32_t> lastPlaces;
-  for (const auto& list : edges) {
-    for (const Edge* edge : list) {
+  SlotLists ends(edges.size());
+  constexpr std::size_t remembered = 4;  // edges in order mostly begin with the vertex of the edge before
+  for (std::size_t type = 0; type < edges.size(); ++type) {
+    if (edges[type].empty()) continue;
+    ends[type].reserve(edges[type].size() * static_cast<std::size_t>(edges[type][0]->arity()));
+    std::array<std::int64_t, remembered> lastIds;
+    std::array<std::int32_t, remembered> lastPlaces;
+    lastIds.fill(-1);
+    for (const Edge* edge : edges[type]) {
       const auto ids = edge->vertexIds();
-      lastIds.resize(std::max(lastIds.size(), ids.size()), -1);
-      lastPlaces.resize(lastIds.size(), -1);
       for (std::size_t role = 0; role < ids.size(); ++role) {
-        if (ids[role] != lastIds[role]) {
+        const bool same = role < remembered && lastIds[role] == ids[role];
+        const std::int32_t place = same ? lastPlaces[role] : places.find(ids[role]);
+        if (!same && role < remembered) {
           lastIds[role] = ids[role];
-          lastPlaces[role] = places.find(ids[role]);
+          lastPlaces[role] = place;
         }
-        slotOf[static_cast<std::size_t>(lastPlaces[role])] = 0;
-        ends.push_back(lastPlaces[role]);
+        slotOf[static_cast<std::size_t>(place)] = 0;
+        ends[type].push_back(place);
       }
     }
   }
@@ -123,13 +131,14 @@ std::vector<std::int32_t> Problem::findSlots(const ProblemScope& scope,
     slotOf[place] = static_cast<std::int32_t>(vertices_.size());
     vertices_.push_back(known[place]);
   }
-  for (std::int32_t& end : ends) end = slotOf[static_cast<std::size_t>(end)];
+  for (auto& list : ends) {
+    for (std::int32_t& end : list) end = slotOf[static_cast<std::size_t>(end)];
+  }
   return ends;
 }
 
-std::vector<std::int32_t> Problem::collectVertices(const ProblemScope& scope,
-                                                   const std::vector<std::vector<const Edge*>>& edges) {
-  std::vector<std::int32_t> ends = findSlots(scope, edges);
+Problem::SlotLists Problem::collectVertices(const ProblemScope& scope, const EdgeLists& edges) {
+  SlotLists ends = findSlots(scope, edges);
   const std::vector<std::int64_t> free = [&] {
     std::vector<std::int64_t> ids = scope.free;
     std::sort(ids.begin(), ids.end());
@@ -209,22 +218,20 @@ void Problem::holdDirections(std::span<const HeldDirections> holds) {
   }
 }
 
-void Problem::makeBatches(std::vector<std::vector<const Edge*>> edges, const std::vector<std::int32_t>& ends) {
+void Problem::makeBatches(EdgeLists edges, SlotLists ends) {
   std::vector<int> present;
-  std::vector<std::size_t> firstEnd(edges.size() + 1, 0);
   for (std::size_t type = 0; type < edges.size(); ++type) {
     if (!edges[type].empty()) present.push_back(static_cast<int>(type));
-    firstEnd[type + 1] = firstEnd[type];
-    for (const Edge* edge : edges[type]) firstEnd[type + 1] += static_cast<std::size_t>(edge->arity());
   }
   for (const int type : edgeTypeOrder(*graph_->registry(), std::move(present))) {
-    auto& list = edges[static_cast<std::size_t>(type)];
-    BatchSource source{*graph_, layout_, std::move(list), {}, {0}, threads_};
-    source.slots.assign(ends.begin() + static_cast<std::ptrdiff_t>(firstEnd[static_cast<std::size_t>(type)]),
-                        ends.begin() + static_cast<std::ptrdiff_t>(firstEnd[static_cast<std::size_t>(type) + 1]));
-    source.begin.reserve(source.edges.size() + 1);
-    for (const Edge* edge : source.edges) source.begin.push_back(source.begin.back() + edge->arity());
+    BatchSource source{*graph_, layout_, std::move(edges[static_cast<std::size_t>(type)]),
+                       std::move(ends[static_cast<std::size_t>(type)]), {}, threads_};
     const EdgeType& edgeType = *graph_->registry()->edgeTypes()[static_cast<std::size_t>(type)];
+    if (edgeType.variableArity()) {
+      source.begin = {0};
+      source.begin.reserve(source.edges.size() + 1);
+      for (const Edge* edge : source.edges) source.begin.push_back(source.begin.back() + edge->arity());
+    }
     batches_.push_back(edgeType.makeBatch(source));
     edgeTypes_.push_back(&edgeType);
     const int size = batches_.back()->size();

@@ -110,12 +110,15 @@ class Problem {
   void store();
 
  private:
-  /// Slots of the vertices of all edges, list by list; fills vertices_.
-  std::vector<std::int32_t> findSlots(const ProblemScope& scope, const std::vector<std::vector<const Edge*>>& edges);
-  std::vector<std::int32_t> collectVertices(const ProblemScope& scope,
-                                            const std::vector<std::vector<const Edge*>>& edges);
-  std::vector<std::vector<const Edge*>> collectEdges(const ProblemScope& scope) const;
-  void makeBatches(std::vector<std::vector<const Edge*>> edges, const std::vector<std::int32_t>& ends);
+  /// Edges, and the slots of their vertices one edge after the other, by edge type.
+  using EdgeLists = std::vector<std::vector<const Edge*>>;
+  using SlotLists = std::vector<std::vector<std::int32_t>>;
+
+  EdgeLists collectEdges(const ProblemScope& scope) const;
+  /// Fills vertices_.
+  SlotLists findSlots(const ProblemScope& scope, const EdgeLists& edges);
+  SlotLists collectVertices(const ProblemScope& scope, const EdgeLists& edges);
+  void makeBatches(EdgeLists edges, SlotLists ends);
   void numberVariables(const std::vector<char>& movable);
   void loadState();
   void measureRowCosts();

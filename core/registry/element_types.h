@@ -151,7 +151,7 @@ class EdgeType : public ElementType {
   virtual void writeTail(const Edge&, FieldWriter&) const {}
 
   /// Compiles edges of this type.
-  virtual std::unique_ptr<EdgeBatch> makeBatch(const BatchSource& source) const = 0;
+  virtual std::unique_ptr<EdgeBatch> makeBatch(BatchSource& source) const = 0;
 
   /// Propagation: sets the estimate of the vertex at role `to` from the others', which have one. `known` has a bit for
   /// each role whose vertex has an estimate. Returns false if this edge cannot tell it.

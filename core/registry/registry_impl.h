@@ -315,7 +315,7 @@ class EdgeTypeOf final : public EdgeType {
     if constexpr (hasTail) static_cast<const E&>(edge).writeTail(writer);
   }
 
-  std::unique_ptr<EdgeBatch> makeBatch(const BatchSource& source) const override {
+  std::unique_ptr<EdgeBatch> makeBatch(BatchSource& source) const override {
     if constexpr (fixedShape<E>()) {
       return std::make_unique<FixedBatch<E>>(source);
     } else {

@@ -159,29 +159,30 @@ BlockCholesky::Failure BlockCholesky::factorNode(int node, const Input& input, c
   return failure;
 }
 
-/// Copies the blocks of H in the given columns into the node's values (stride 0: leaf blocks) and adds the damping.
-void BlockCholesky::loadColumns(int node, const Input& input, int firstBlock, int lastBlock, std::int64_t stride) {
+/// Copies the blocks of H in the given columns into a front's panel.
+void BlockCholesky::loadColumns(int node, const Input& input, int firstBlock, int lastBlock) {
+  const std::int64_t stride = plan_.storage[node].stride;
+  double* values = values_.data() + plan_.storage[node].values;
+  const LoadEntry* begin = plan_.loads.data() + plan_.loadBegin[firstBlock];
+  const LoadEntry* end = plan_.loads.data() + plan_.loadBegin[lastBlock];
+  switch (plan_.uniformDimension) {
+    case 3:
+      return copyBlocks<3>(begin, end, input.values, values, stride);
+    case 6:
+      return copyBlocks<6>(begin, end, input.values, values, stride);
+    default:
+      return copyBlocks<0>(begin, end, input.values, values, stride);
+  }
+}
+
+void BlockCholesky::addDamping(int node, const Input& input, int firstBlock, int lastBlock, std::int64_t stride) {
+  if (input.damping == nullptr) return;
   double* values = values_.data() + plan_.storage[node].values;
   for (int column = firstBlock; column < lastBlock; ++column) {
-    const LoadEntry* begin = plan_.loads.data() + plan_.loadBegin[column];
-    const LoadEntry* end = plan_.loads.data() + plan_.loadBegin[column + 1];
-    const int dimension = begin->columns;
-    const std::int64_t columnStride = stride != 0 ? stride : leafStride(dimension);
-    switch (plan_.uniformDimension) {
-      case 3:
-        copyBlocks<3>(begin, end, input.values, values, columnStride);
-        break;
-      case 6:
-        copyBlocks<6>(begin, end, input.values, values, columnStride);
-        break;
-      default:
-        copyBlocks<0>(begin, end, input.values, values, columnStride);
-        break;
-    }
-    if (input.damping == nullptr) continue;
-    double* diagonal = values + begin->destination;
+    const LoadEntry& entry = plan_.loads[plan_.loadBegin[column]];
+    double* diagonal = values + entry.destination;
     const double* damping = input.damping + plan_.patternScalar[column];
-    for (int c = 0; c < dimension; ++c) diagonal[c * (columnStride + 1)] += damping[c];
+    for (int c = 0; c < entry.columns; ++c) diagonal[c * (stride + 1)] += damping[c];
   }
 }
 
@@ -190,12 +191,14 @@ BlockCholesky::Failure BlockCholesky::factorLeaf(int node, const Input& input, c
   const NodeStorage& storage = plan_.storage[node];
   double* values = values_.data() + storage.values;
   double* update = updateOf(node, worker);
-  std::memset(values, 0, static_cast<std::size_t>(plan_.storage[node + 1].values - storage.values) * sizeof(double));
+  const int b = plan_.leafDimension;
   std::memset(update, 0, static_cast<std::size_t>(storage.updateStride * leaf.rows) * sizeof(double));
-  loadColumns(node, input, leaf.firstBlock, leaf.lastBlock, 0);
+  kernels_.leafLoad[b](plan_.leafOf(node), plan_.loads.data(), plan_.loadBegin.data() + leaf.firstBlock, input.values,
+                       values);
+  addDamping(node, input, leaf.firstBlock, leaf.lastBlock, leafStride(b));
   double pivot = 0.0;
-  const int failed = kernels_.leafFactor[plan_.leafDimension](
-      plan_.leafOf(node), values, inverse_.data() + storage.scalar, update, storage.updateStride, &pivot);
+  const int failed = kernels_.leafFactor[b](plan_.leafOf(node), values, inverse_.data() + storage.scalar, update,
+                                            storage.updateStride, &pivot);
   return failed < 0 ? Failure{} : Failure{storage.scalar + failed, pivot};
 }
 
@@ -234,7 +237,8 @@ void BlockCholesky::assemblePanel(int node, const Input& input, const Worker& wo
   const int end = plan_.blockScalar[lastBlock] - storage.scalar;
   std::memset(panel + begin * storage.stride, 0,
               static_cast<std::size_t>((end - begin) * storage.stride) * sizeof(double));
-  loadColumns(node, input, firstBlock, lastBlock, storage.stride);
+  loadColumns(node, input, firstBlock, lastBlock);
+  addDamping(node, input, firstBlock, lastBlock, storage.stride);
   for (const int child : plan_.childrenOf(node)) {
     const std::span<const RowRun> runs = plan_.runsOf(child);
     kernels_.addChild(updateOf(child, worker), plan_.storage[child].updateStride, runs.data(),

@@ -66,7 +66,9 @@ class BlockCholesky final : public LinearSolver {
   double* updateOf(int node, const Worker& worker) {
     return (plan_.storage[node].sharedUpdate ? arena_.data() : worker.arena) + plan_.storage[node].update;
   }
-  void loadColumns(int node, const Input& input, int firstBlock, int lastBlock, std::int64_t stride);
+  void loadColumns(int node, const Input& input, int firstBlock, int lastBlock);
+  /// Adds the damping to the loaded diagonal blocks, whose columns are `stride` apart.
+  void addDamping(int node, const Input& input, int firstBlock, int lastBlock, std::int64_t stride);
   void assemblePanel(int node, const Input& input, const Worker& worker, int firstBlock, int lastBlock);
   void formUpdate(int node, const Worker& worker, int columnBegin, int columnEnd);
   SolverStatus statusOf(const Failure& failure) const;

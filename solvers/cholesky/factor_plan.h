@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,15 +11,6 @@
 #include <quiver/solvers/cholesky/task_schedule.h>
 
 namespace quiver::detail {
-
-/// Where one block of H goes: `rows` × `columns` doubles from `source` in BlockMatrix::values() to `destination` in the
-/// node's values.
-struct LoadEntry {
-  std::int64_t source;
-  std::int32_t destination;
-  std::int16_t rows;
-  std::int16_t columns;
-};
 
 /// Consecutive scalars in the factor's numbering.
 struct ScalarSpan {
@@ -70,7 +62,7 @@ class FactorPlan {
   std::vector<int> blocks;
   std::vector<int> blockScalar;  // one more: the number of scalars
   std::vector<std::int64_t> patternScalar;
-  /// loads of block column i: [loadBegin[i], loadBegin[i + 1]), the diagonal block first.
+  /// loads of block column i: [loadBegin[i], loadBegin[i + 1]), destinations ascending, so the diagonal block first.
   std::vector<std::int64_t> loadBegin;
   std::vector<LoadEntry> loads;
 
@@ -80,7 +72,8 @@ class FactorPlan {
   std::vector<LeafColumn> leafColumns;
   std::vector<std::int32_t> leafRows;
   std::vector<std::int32_t> leafPositions;
-  std::vector<std::int32_t> leafDestinations;
+  std::unique_ptr<std::int32_t[]> leafDestinations;
+  std::int64_t leafDestinationCount = 0;
 
   std::int64_t valueCount = 0;
   /// The arena begins with a part for each of `workers` threads; what lives longer follows, and when the tasks are done
@@ -107,7 +100,7 @@ class FactorPlan {
             storage[node].outside,
             leafRows.data(),
             leafPositions.data(),
-            leafDestinations.data()};
+            leafDestinations.get()};
   }
 };
 

@@ -191,6 +191,7 @@ void FactorPlanBuilder::addLeafColumn(int node, int column, std::int32_t& offset
   entry.values = offset;
   entry.scalar = (column - leaf.firstBlock) * b;
   entry.below = static_cast<std::int32_t>(rows.size());
+  entry.group = tree_->groups[column];
   entry.rows = narrow(static_cast<std::int64_t>(plan_.leafRows.size()));
   // Rows ascend, and a leaf's columns come before what is outside.
   const std::size_t first = plan_.leafRows.size();
@@ -218,7 +219,8 @@ void FactorPlanBuilder::addLeafColumn(int node, int column, std::int32_t& offset
 
 void FactorPlanBuilder::listDestinations() {
   constexpr double nanosecondsEach = 1.0;
-  plan_.leafDestinations.resize(destinations_);
+  plan_.leafDestinations = std::make_unique_for_overwrite<std::int32_t[]>(static_cast<std::size_t>(destinations_));
+  plan_.leafDestinationCount = destinations_;
   const auto count = static_cast<std::int64_t>(plan_.nodes.size());
   const int threads = worthwhileThreads(threads_, nanosecondsEach * static_cast<double>(destinations_));
   parallelFor(count, threads, [&](std::int64_t node) {
@@ -255,7 +257,7 @@ void FactorPlanBuilder::addLeafDestinations(int node, const int* target) {
       const LeafColumn& column = columns[j];
       const std::int32_t* rows = plan_.leafRows.data() + column.rows;
       std::int32_t* destination =
-          plan_.leafDestinations.data() + column.destinations + q * column.below - q * (q - 1) / 2;
+          plan_.leafDestinations.get() + column.destinations + q * column.below - q * (q - 1) / 2;
       for (int i = q; i < column.below; ++i) *destination++ = place[rows[i]];
     }
   }

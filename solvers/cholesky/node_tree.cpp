@@ -216,6 +216,37 @@ std::vector<double> childWeights(const std::vector<TreeNode>& nodes) {
   return weight;
 }
 
+/// Columns of a leaf subtree that are factored together, and blocks that are small enough for it: the products of
+/// larger ones keep the processor busy.
+constexpr int largestGroup = 2;
+constexpr int largestGroupedDimension = 3;
+
+/// Appends the columns [first, last] of a leaf subtree by groups of columns none of which waits for another: a pivot is
+/// a long chain of operations, and only those of independent columns overlap. Columns that a group makes ready come
+/// next, while what they need is near.
+void appendInGroups(const std::vector<int>& parent, int first, int last, NodeTree& tree) {
+  std::vector<int> waiting(last - first + 1, 0);  // children not yet in the order
+  for (int j = first; j < last; ++j) {
+    if (parent[j] <= last) ++waiting[parent[j] - first];
+  }
+  std::vector<int> ready;
+  for (int j = last; j >= first; --j) {
+    if (waiting[j - first] == 0) ready.push_back(j);
+  }
+  while (!ready.empty()) {
+    const auto size = std::min<std::ptrdiff_t>(std::ssize(ready), largestGroup);
+    const auto begin = static_cast<std::ptrdiff_t>(tree.order.size());
+    tree.order.insert(tree.order.end(), ready.rbegin(), ready.rbegin() + size);
+    tree.groups.resize(tree.order.size(), 0);
+    tree.groups[begin] = static_cast<int>(size);
+    ready.resize(ready.size() - size);
+    for (std::ptrdiff_t i = begin + size; i-- > begin;) {
+      const int up = parent[tree.order[i]];
+      if (up >= 0 && up <= last && --waiting[up - first] == 0) ready.push_back(up);
+    }
+  }
+}
+
 }  // namespace
 
 NodeTree::NodeTree(const std::vector<int>& parent, const FactorPattern& factor, const std::vector<int>& dimensions) {
@@ -260,13 +291,20 @@ NodeTree::NodeTree(const std::vector<int>& parent, const FactorPattern& factor, 
     node.parent = node.parent < 0 ? -1 : place[node.parent];
     node.firstBlock = static_cast<int>(order.size());
     const auto append = [&](int first, int last) {
-      for (int j = first; j <= last; ++j) {
-        order.push_back(j);
-        node.columns += dimensions[j];
-      }
+      for (int j = first; j <= last; ++j) order.push_back(j);
     };
-    if (node.leaf) append(supernodes[top[k]].firstDescendant, supernodes[top[k]].last);
+    if (node.leaf) {
+      const Supernode& root = supernodes[top[k]];
+      if (dimension <= largestGroupedDimension) {
+        appendInGroups(parent, root.firstDescendant, root.last, *this);
+      } else {
+        append(root.firstDescendant, root.last);
+        groups.resize(order.size(), 1);
+      }
+    }
     for (const int s : members[k]) append(supernodes[s].first, supernodes[s].last);
+    groups.resize(order.size(), 0);
+    for (std::size_t i = node.firstBlock; i < order.size(); ++i) node.columns += dimensions[order[i]];
     node.lastBlock = static_cast<int>(order.size());
     nodes.push_back(node);
   }

@@ -33,6 +33,9 @@ struct NodeTree {
   /// inverse.
   std::vector<int> order;
   std::vector<int> position;
+  /// For each block of a leaf subtree in the factor's numbering: how many from it on form a group, none of which is an
+  /// ancestor of another; 0 inside a group and for the blocks of fronts.
+  std::vector<int> groups;
 
   /// `dimensions` and `factor` are in elimination order, which is a postorder of the tree. Leaf subtrees are formed for
   /// matrices of one block dimension up to largestLeafDimension.

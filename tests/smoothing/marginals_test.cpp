@@ -159,8 +159,12 @@ TEST(Marginals, TellHowFarRoundingSpoilsThem) {
     const double error = std::abs(marginals.covariance(length - 1)(2, 2) - expected) / expected;
     EXPECT_LE(error, 10.0 * marginals.relativeError() + 1e-12) << length;
     EXPECT_LE(marginals.relativeError(), 1e5 * error + 1e-9) << length;
-    if (length <= 1000) EXPECT_LT(marginals.relativeError(), 1e-3);
-    if (length == 100000) EXPECT_GT(marginals.relativeError(), 0.1);
+    if (length <= 1000) {
+      EXPECT_LT(marginals.relativeError(), 1e-3);
+    }
+    if (length == 100000) {
+      EXPECT_GT(marginals.relativeError(), 0.1);
+    }
   }
 }
 

@@ -212,6 +212,53 @@ TEST(FactorPlan, keepsAncestorsAfterDescendantsAndTasksApart) {
   }
 }
 
+TEST(BlockCholesky, forgetsTheFactorBefore) {
+  std::mt19937 random(22);
+  for (const auto& choices : largeChoices) {
+    BlockMatrix matrix = largeSystem(choices, random);
+    const auto pattern = std::make_shared<const BlockPattern>(matrix.pattern());
+    const auto solved = [&](BlockCholesky& solver) {
+      EXPECT_TRUE(solver.factorize(matrix, {}).ok());
+      std::vector<double> x(static_cast<std::size_t>(pattern->layout().scalars()), 1.0);
+      solver.solve(x);
+      return x;
+    };
+    BlockCholesky used;
+    used.analyze(pattern, 2);
+    solved(used);
+    fillDominant(matrix, random);
+    BlockCholesky fresh;
+    fresh.analyze(pattern, 2);
+    EXPECT_EQ(solved(used), solved(fresh));
+  }
+}
+
+/// Columns of a group are factored before any of them is eliminated: none may be in the way of another.
+TEST(FactorPlan, columnsOfAGroupDoNotWaitForEachOther) {
+  std::mt19937 random(21);
+  int grouped = 0;
+  for (const std::vector<int>& dimensions : {std::vector<int>{1}, {2}, {3}, {6}}) {
+    const FactorPlan plan(largeSystem(dimensions, random).pattern(), 1);
+    const int stride = detail::leafStride(plan.leafDimension);
+    for (int node = 0; node < static_cast<int>(plan.nodes.size()); ++node) {
+      if (!plan.nodes[static_cast<std::size_t>(node)].leaf) continue;
+      const detail::LeafView leaf = plan.leafOf(node);
+      for (int first = 0; first < leaf.count; first += leaf.columns[first].group) {
+        const int end = first + leaf.columns[first].group;
+        ASSERT_GT(end, first);
+        ASSERT_LE(end, leaf.count);
+        if (end > first + 1) ++grouped;
+        for (int j = first; j < end; ++j) {
+          const detail::LeafColumn& column = leaf.columns[j];
+          EXPECT_TRUE(j == first || column.group == 0);
+          for (int i = 0; i < column.inside; ++i) EXPECT_GE(leaf.rows[column.rows + i], end * stride);
+        }
+      }
+    }
+  }
+  EXPECT_GT(grouped, 100);
+}
+
 TEST(ArenaPlanner, neverHandsOutAPlaceTwice) {
   std::mt19937 random(17);
   detail::ArenaPlanner planner;

@@ -131,7 +131,7 @@ inline __attribute__((always_inline)) int factorSmall(double* d, std::int64_t st
       return j;
     }
     const double reciprocal = 1.0 / diagonal;
-    const double root = __builtin_sqrt(reciprocal);
+    const double root = __builtin_sqrt(diagonal) * reciprocal;  // both at once
     inverse[j] = root;
 #pragma GCC unroll 9
     for (int k = j + 1; k < n; ++k) {

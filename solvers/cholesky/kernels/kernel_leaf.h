@@ -11,6 +11,41 @@ struct LeafBlock {
   using Vector = typename VectorOf<lanes>::Type;
 };
 
+template <int b, int v = 0>
+inline __attribute__((always_inline)) void padColumn(double* to, const double* from) {
+  using Block = LeafBlock<b>;
+  if constexpr (v < Block::vectors) {
+    store<Block::lanes>(to + v * Block::lanes, loadFirst<Block::lanes, b - v * Block::lanes>(from + v * Block::lanes));
+    padColumn<b, v + 1>(to, from);
+  }
+}
+
+template <int b>
+void leafLoad(const LeafView& leaf, const LoadEntry* loads, const std::int64_t* begin, const double* source,
+              double* values) {
+  using Block = LeafBlock<b>;
+  const auto clear = [](double* block, const double* end) {
+    for (; block != end; block += Block::size) {
+#pragma GCC unroll 32
+      for (int k = 0; k < Block::size; k += Block::lanes) store<Block::lanes>(block + k, typename Block::Vector{});
+    }
+  };
+  for (int j = 0; j < leaf.count; ++j) {
+    const LeafColumn& column = leaf.columns[j];
+    double* next = values + column.values;
+    double* const end = next + (column.below + 1) * Block::size;
+    for (std::int64_t k = begin[j]; k < begin[j + 1]; ++k) {
+      double* const block = values + loads[k].destination;
+      const double* const from = source + loads[k].source;
+      clear(next, block);
+#pragma GCC unroll 9
+      for (int c = 0; c < b; ++c) padColumn<b>(block + c * Block::stride, from + c * b);
+      next = block + Block::size;
+    }
+    clear(next, end);
+  }
+}
+
 /// x ← x L⁻ᵀ for one block, L the factored diagonal block of the column.
 template <int b>
 inline __attribute__((always_inline)) void scaleBlock(double* x, const double* diagonal, const double* inverse) {
@@ -29,8 +64,23 @@ inline __attribute__((always_inline)) void scaleBlock(double* x, const double* d
   }
 }
 
+/// Where products go: to blocks with their padding, or into a matrix whose next rows follow at once.
+enum class Target { block, matrix };
+
+/// Vector v of a block's column is written. In a matrix nothing is written behind the block: reading the next block
+/// would wait until that has left the store buffer.
+template <int b, Target target, int v = 0>
+inline __attribute__((always_inline)) void storeColumn(double* p, const typename LeafBlock<b>::Vector* values) {
+  using Block = LeafBlock<b>;
+  if constexpr (v < Block::vectors) {
+    constexpr int count = target == Target::block ? Block::lanes : b - v * Block::lanes;
+    storeFirst<Block::lanes, count>(p + v * Block::lanes, values[v]);
+    storeColumn<b, target, v + 1>(p, values);
+  }
+}
+
 /// C −= A Bᵀ for `blocks` blocks A one after the other in memory, their C wherever targets say.
-template <int b, int blocks>
+template <int b, Target target, int blocks>
 inline __attribute__((always_inline)) void subtractProduct(double* const* targets, std::int64_t strideC,
                                                            const double* a, const double* factor) {
   using Block = LeafBlock<b>;
@@ -61,16 +111,14 @@ inline __attribute__((always_inline)) void subtractProduct(double* const* target
 #pragma GCC unroll 2
   for (int i = 0; i < blocks; ++i) {
 #pragma GCC unroll 9
-    for (int c = 0; c < b; ++c) {
-#pragma GCC unroll 4
-      for (int v = 0; v < Block::vectors; ++v)
-        store<Block::lanes>(targets[i] + c * strideC + v * Block::lanes, sum[i][c][v]);
-    }
+    for (int c = 0; c < b; ++c) storeColumn<b, target>(targets[i] + c * strideC, sum[i][c]);
   }
 }
 
-/// C −= A Bᵀ with the values of B in registers, for dimensions that leave room.
-template <int b, typename Vector>
+/// C −= A Bᵀ with the values of B in registers, for dimensions that leave room. In a matrix, columns are read in the
+/// pieces in which they are written: the columns of a chain add to the same places one soon after the other, and a
+/// vector that spans several unfinished writes waits for them all.
+template <int b, Target target, typename Vector>
 inline __attribute__((always_inline)) void subtractSmallProduct(double* c, std::int64_t strideC, const double* a,
                                                                 const Vector (&factor)[b * b]) {
   using Block = LeafBlock<b>;
@@ -80,15 +128,15 @@ inline __attribute__((always_inline)) void subtractSmallProduct(double* c, std::
   for (int k = 0; k < b; ++k) rows[k] = load<Block::lanes>(a + k * Block::stride);
 #pragma GCC unroll 9
   for (int column = 0; column < b; ++column) {
-    Vector sum = load<Block::lanes>(c + column * strideC);
+    Vector sum = loadFirst < Block::lanes, target == Target::block ? Block::lanes : b > (c + column * strideC);
 #pragma GCC unroll 9
     for (int k = 0; k < b; ++k) sum -= rows[k] * factor[k * b + column];
-    store<Block::lanes>(c + column * strideC, sum);
+    storeColumn<b, target>(c + column * strideC, &sum);
   }
 }
 
 /// All products of one block (at `factor`) with itself and the blocks after it; targetOf(i) is where the i-th goes.
-template <int b, typename TargetOf>
+template <int b, Target target, typename TargetOf>
 inline __attribute__((always_inline)) void subtractProducts(const double* factor, int count, std::int64_t strideC,
                                                             const TargetOf& targetOf) {
   using Block = LeafBlock<b>;
@@ -98,19 +146,19 @@ inline __attribute__((always_inline)) void subtractProducts(const double* factor
     using Vector = typename Block::Vector;
     Vector values[b * b];
 #pragma GCC unroll 9
-    for (int k = 0; k < b * b; ++k) values[k] = Vector{} + factor[k / b * Block::stride + k % b];
-    for (; i < count; ++i, a += Block::size) subtractSmallProduct<b, Vector>(targetOf(i), strideC, a, values);
+    for (int k = 0; k < b * b; ++k) values[k] = factor[k / b * Block::stride + k % b] - Vector{};
+    for (; i < count; ++i, a += Block::size) subtractSmallProduct<b, target, Vector>(targetOf(i), strideC, a, values);
   } else {
     constexpr int together = b > 3 && 2 * b * Block::vectors <= (width == 8 ? 24 : 12) ? 2 : 1;
     if constexpr (together == 2) {
       for (; i + 2 <= count; i += 2, a += 2 * Block::size) {
         double* targets[2] = {targetOf(i), targetOf(i + 1)};
-        subtractProduct<b, 2>(targets, strideC, a, factor);
+        subtractProduct<b, target, 2>(targets, strideC, a, factor);
       }
     }
     for (; i < count; ++i, a += Block::size) {
       double* targets[1] = {targetOf(i)};
-      subtractProduct<b, 1>(targets, strideC, a, factor);
+      subtractProduct<b, target, 1>(targets, strideC, a, factor);
     }
   }
 }
@@ -132,30 +180,43 @@ inline __attribute__((always_inline)) void invertDiagonal(double* diagonal, cons
   }
 }
 
+/// Divides the blocks below by the factored diagonal, and subtracts the products of all pairs of them.
+template <int b>
+inline __attribute__((always_inline)) void eliminateLeafColumn(const LeafView& leaf, const LeafColumn& column,
+                                                               double* values, const double* inverse, double* update,
+                                                               std::int64_t updateStride) {
+  using Block = LeafBlock<b>;
+  const double* const diagonal = values + column.values;
+  double* const below = values + column.values + Block::size;
+  for (int i = 0; i < column.below; ++i) scaleBlock<b>(below + i * Block::size, diagonal, inverse + column.scalar);
+  const std::int32_t* destinations = leaf.destinations + column.destinations;
+  const double* factor = below;
+  for (int q = 0; q < column.inside; ++q, factor += Block::size) {
+    const int count = column.below - q;
+    subtractProducts<b, Target::block>(factor, count, Block::stride, [=](int i) { return values + destinations[i]; });
+    destinations += count;
+  }
+  for (int q = column.inside; q < column.below; ++q, factor += Block::size) {
+    const std::int32_t* positions = leaf.positions + column.rows + q;
+    double* target = update + positions[0] * updateStride;
+    subtractProducts<b, Target::matrix>(factor, column.below - q, updateStride,
+                                        [=](int i) { return target + positions[i]; });
+  }
+}
+
 template <int b>
 int leafFactor(const LeafView& leaf, double* values, double* inverse, double* update, std::int64_t updateStride,
                double* pivot) {
-  using Block = LeafBlock<b>;
-  for (int j = 0; j < leaf.count; ++j) {
-    const LeafColumn& column = leaf.columns[j];
-    double* diagonal = values + column.values;
-    const int failed = factorSmall<b>(diagonal, Block::stride, inverse + column.scalar, pivot);
-    if (failed >= 0) return j * b + failed;
-    invertDiagonal<b>(diagonal, inverse + column.scalar);
-    double* below = diagonal + Block::size;
-    for (int i = 0; i < column.below; ++i) scaleBlock<b>(below + i * Block::size, diagonal, inverse + column.scalar);
-    const std::int32_t* destinations = leaf.destinations + column.destinations;
-    const double* factor = below;
-    for (int q = 0; q < column.inside; ++q, factor += Block::size) {
-      const int count = column.below - q;
-      subtractProducts<b>(factor, count, Block::stride, [=](int i) { return values + destinations[i]; });
-      destinations += count;
+  for (int j = 0; j < leaf.count;) {
+    const int end = j + leaf.columns[j].group;
+    for (int k = j; k < end; ++k) {
+      const LeafColumn& column = leaf.columns[k];
+      double* const diagonal = values + column.values;
+      const int failed = factorSmall<b>(diagonal, LeafBlock<b>::stride, inverse + column.scalar, pivot);
+      if (failed >= 0) return k * b + failed;
+      invertDiagonal<b>(diagonal, inverse + column.scalar);
     }
-    for (int q = column.inside; q < column.below; ++q, factor += Block::size) {
-      const std::int32_t* positions = leaf.positions + column.rows + q;
-      double* target = update + positions[0] * updateStride;
-      subtractProducts<b>(factor, column.below - q, updateStride, [=](int i) { return target + positions[i]; });
-    }
+    for (; j < end; ++j) eliminateLeafColumn<b>(leaf, leaf.columns[j], values, inverse, update, updateStride);
   }
   return -1;
 }

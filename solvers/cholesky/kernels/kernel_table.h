@@ -14,6 +14,15 @@ struct RowRun {
   std::int32_t destination;  // first row in the parent's storage: columns first, padded, then the rows below
 };
 
+/// Where one block of H goes: `rows` × `columns` doubles from `source` in BlockMatrix::values() to `destination` in the
+/// node's values.
+struct LoadEntry {
+  std::int64_t source;
+  std::int32_t destination;
+  std::int16_t rows;
+  std::int16_t columns;
+};
+
 /// One block column of a leaf subtree. Offsets of values count from the subtree's first value.
 struct LeafColumn {
   std::int32_t values;        // the diagonal block; the blocks below follow
@@ -22,6 +31,7 @@ struct LeafColumn {
   std::int32_t inside;        // how many of them have their row in the subtree; these come first
   std::int32_t rows;          // first entry of the blocks below in LeafView::rows and ::positions
   std::int32_t destinations;  // first entry in LeafView::destinations
+  std::int32_t group;         // columns from this one on that do not wait for each other; 0 inside such a group
 };
 
 /// A subtree whose block columns are stored one by one: blocks of dimension b as b columns of `leafStride(b)` doubles.
@@ -80,8 +90,11 @@ struct KernelTable {
   /// The first `columns` entries of v become the solution of Lᵀ x = y − (rows below)ᵀ v.
   void (*backward)(const double* panel, std::int64_t stride, int columns, int rows, const double* inverse, double* v);
 
-  /// Leaf subtrees by block dimension 1 … 9 (entry 0 is null). Factorisation returns the column of the failed pivot
-  /// times the dimension plus its coordinate, or −1.
+  /// Leaf subtrees by block dimension 1 … 9 (entry 0 is null). Loading fills the values: blocks of H, zero elsewhere;
+  /// `begin` has the first of `loads` of each column, and one more. Factorisation returns the column of the failed
+  /// pivot times the dimension plus its coordinate, or −1.
+  void (*leafLoad[largestLeafDimension + 1])(const LeafView& leaf, const LoadEntry* loads, const std::int64_t* begin,
+                                             const double* source, double* values);
   int (*leafFactor[largestLeafDimension + 1])(const LeafView& leaf, double* values, double* inverse, double* update,
                                               std::int64_t updateStride, double* pivot);
   /// x are the subtree's scalars, v is a vector of the subtree. Forward, `update` receives what the rows outside get;

@@ -35,6 +35,38 @@ inline __attribute__((always_inline)) void store(double* p, typename VectorOf<N>
   *reinterpret_cast<typename VectorOf<N>::Memory*>(p) = v;
 }
 
+/// `count` numbers and then zeros; reads no more.
+template <int N, int count>
+inline __attribute__((always_inline)) typename VectorOf<N>::Type loadFirst(const double* p) {
+  if constexpr (count >= N) {
+    return load<N>(p);
+  } else if constexpr (count <= 0) {
+    return typename VectorOf<N>::Type{};
+  } else if constexpr (N == 2) {
+    return VectorOf<2>::Type{p[0], 0.0};
+  } else if constexpr (N == 4) {
+    return __builtin_shufflevector(loadFirst<2, count>(p), loadFirst<2, count - 2>(p + 2), 0, 1, 2, 3);
+  } else {
+    return __builtin_shufflevector(loadFirst<4, count>(p), loadFirst<4, count - 4>(p + 4), 0, 1, 2, 3, 4, 5, 6, 7);
+  }
+}
+
+/// Writes the first `count` ≥ 1 numbers and no others.
+template <int N, int count>
+inline __attribute__((always_inline)) void storeFirst(double* p, typename VectorOf<N>::Type v) {
+  if constexpr (count >= N) {
+    store<N>(p, v);
+  } else if constexpr (N == 2) {
+    p[0] = v[0];
+  } else if constexpr (N == 4) {
+    storeFirst<2, count>(p, __builtin_shufflevector(v, v, 0, 1));
+    if constexpr (count > 2) storeFirst<2, count - 2>(p + 2, __builtin_shufflevector(v, v, 2, 3));
+  } else {
+    storeFirst<4, count>(p, __builtin_shufflevector(v, v, 0, 1, 2, 3));
+    if constexpr (count > 4) storeFirst<4, count - 4>(p + 4, __builtin_shufflevector(v, v, 4, 5, 6, 7));
+  }
+}
+
 constexpr int width = QUIVER_KERNEL_WIDTH;
 using Lanes = VectorOf<width>::Type;
 
