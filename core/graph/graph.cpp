@@ -204,7 +204,8 @@ bool Graph::fits(const EdgeShape& shape, std::span<const std::int64_t> vertices,
                  std::span<const std::int64_t> parameters) const {
   constexpr std::size_t few = 3;
   const std::size_t count = vertices.size();
-  if (count > few || count != shape.vertexTypes.size() || parameters.size() != shape.parameterTypes.size()) return false;
+  if (count > few || count != shape.vertexTypes.size() || parameters.size() != shape.parameterTypes.size())
+    return false;
   bool good = true;
   for (std::size_t role = 0; role < count; ++role) {
     good = good && vertexIds_.find(vertices[role]).type == shape.vertexTypes[role];

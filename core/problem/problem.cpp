@@ -224,8 +224,12 @@ void Problem::makeBatches(EdgeLists edges, SlotLists ends) {
     if (!edges[type].empty()) present.push_back(static_cast<int>(type));
   }
   for (const int type : edgeTypeOrder(*graph_->registry(), std::move(present))) {
-    BatchSource source{*graph_, layout_, std::move(edges[static_cast<std::size_t>(type)]),
-                       std::move(ends[static_cast<std::size_t>(type)]), {}, threads_};
+    BatchSource source{*graph_,
+                       layout_,
+                       std::move(edges[static_cast<std::size_t>(type)]),
+                       std::move(ends[static_cast<std::size_t>(type)]),
+                       {},
+                       threads_};
     const EdgeType& edgeType = *graph_->registry()->edgeTypes()[static_cast<std::size_t>(type)];
     if (edgeType.variableArity()) {
       source.begin = {0};
