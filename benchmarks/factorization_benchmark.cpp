@@ -120,14 +120,19 @@ Row measure(const GraphPattern& graph, int rounds, const double (&peak)[2]) {
   std::unique_ptr<LinearSolver> solvers[2] = {makeBlockSolver(), makeBlockSolver()};
   BlockOrdering ordering;
   row.orderMs = medianOf(5, [&] { ordering = solvers[0]->order(graph.pattern); });
-  row.amdMs = medianOf(5, [&] { amdOrdering(graph.pattern); });
   row.ordering = ordering.name;
   const auto pattern = std::make_shared<const BlockPattern>(graph.pattern.permuted(ordering.order));
   const BlockMatrix matrix = dominantValues(pattern);
-  row.analyzeMs = medianOf(5, [&] {
-    solvers[0] = makeBlockSolver();  // one that had the pattern before would keep its analysis
-    solvers[0]->analyze(pattern, 1);
-  });
+  std::vector<double> amd, analyze;
+  for (int turn = 0; turn < 15; ++turn) {
+    amd.push_back(medianOf(1, [&] { amdOrdering(graph.pattern); }));
+    analyze.push_back(medianOf(1, [&] {
+      solvers[0] = makeBlockSolver();  // one that had the pattern before would keep its analysis
+      solvers[0]->analyze(pattern, 1);
+    }));
+  }
+  row.amdMs = median(amd);
+  row.analyzeMs = median(analyze);
   solvers[1]->analyze(pattern, 2);
   row.nonzeros = solvers[0]->statistics().nonzeros;
   row.megaflops = solvers[0]->statistics().flops * 1e-6;

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace quiver {
 BlockGraph::BlockGraph(const BlockPattern& pattern) {
   const int count = pattern.blocks();
   starts.assign(static_cast<std::size_t>(count) + 1, 0);
   for (int column = 0; column < count; ++column) {
-    for (std::int64_t k = pattern.columnBegin(column) + 1; k < pattern.columnEnd(column); ++k) {
-      ++starts[static_cast<std::size_t>(column) + 1];
+    starts[static_cast<std::size_t>(column) + 1] += pattern.columnEnd(column) - pattern.columnBegin(column) - 1;
+    for (std::int64_t k = pattern.columnBegin(column) + 1; k < pattern.columnEnd(column); ++k)
       ++starts[static_cast<std::size_t>(pattern.row(k)) + 1];
-    }
   }
   std::partial_sum(starts.begin(), starts.end(), starts.begin());
   neighbours.resize(static_cast<std::size_t>(starts.back()));
@@ -23,11 +23,10 @@ BlockGraph::BlockGraph(const BlockPattern& pattern) {
       neighbours[static_cast<std::size_t>(next[static_cast<std::size_t>(pattern.row(k))]++)] = column;
     }
   }
-  middles = next;
+  middles = std::move(next);
   for (int column = 0; column < count; ++column) {
-    for (std::int64_t k = pattern.columnBegin(column) + 1; k < pattern.columnEnd(column); ++k) {
-      neighbours[static_cast<std::size_t>(next[static_cast<std::size_t>(column)]++)] = pattern.row(k);
-    }
+    int* out = neighbours.data() + middles[static_cast<std::size_t>(column)];
+    for (std::int64_t k = pattern.columnBegin(column) + 1; k < pattern.columnEnd(column); ++k) *out++ = pattern.row(k);
   }
 }
 

@@ -303,14 +303,16 @@ void FactorPlanBuilder::listNodeLoads(int k, const std::vector<int>& place, cons
       const int row = place[pattern_.row(entry)];
       const int height = layout.dimension(pattern_.row(entry));
       std::int64_t destination = 0;
-      if (row == column && leaf != nullptr) {
-        destination = leaf->values;
-      } else if (leaf == nullptr && row < node.lastBlock) {
+      if (leaf != nullptr) {
+        const int target = tree_->order[row];
+        while (row != column && rows[p] != target) ++p;
+        const auto place = static_cast<std::int64_t>(row == column ? 0 : p + 1);  // among the column's blocks
+        destination = leaf->values + place * columns * leafStride(columns);
+      } else if (row < node.lastBlock) {
         destination = firstScalar * storage.stride + plan_.blockScalar[row] - storage.scalar;
       } else {
         while (rows[p] != tree_->order[row]) scalar += dimension(rows[p++]);
-        destination = leaf != nullptr ? leaf->values + static_cast<std::int64_t>(p + 1) * columns * leafStride(columns)
-                                      : firstScalar * storage.stride + scalar;
+        destination = firstScalar * storage.stride + scalar;
       }
       *load++ = {from, narrow(destination), static_cast<std::int16_t>(height), static_cast<std::int16_t>(columns)};
       from += std::int64_t{height} * columns;

@@ -53,8 +53,14 @@ std::vector<Supernode> findSupernodes(const std::vector<int>& parent, const Fact
     node.columns += dimensions[j];
     owner[j] = static_cast<int>(supernodes.size()) - 1;
   }
+  const bool uniform = std::ranges::all_of(dimensions, [&](int d) { return d == dimensions[0]; });
   for (Supernode& node : supernodes) {
-    for (const int row : factor.column(node.last)) node.rows += dimensions[row];
+    const std::span<const int> rows = factor.column(node.last);
+    if (uniform) {
+      node.rows = static_cast<double>(rows.size()) * dimensions[0];
+    } else {
+      for (const int row : rows) node.rows += dimensions[row];
+    }
     if (parent[node.last] >= 0) node.parent = owner[parent[node.last]];
   }
   return supernodes;

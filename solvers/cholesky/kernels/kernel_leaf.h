@@ -317,11 +317,18 @@ void leafBackward(const LeafView& leaf, const double* values, const double* inve
     double y[b];
 #pragma GCC unroll 9
     for (int c = 0; c < b; ++c) y[c] = own[c] - sumOfLanes(sums[c]);
+    double solution[b];
 #pragma GCC unroll 9
     for (int c = 0; c < b; ++c) {
-      own[c] = y[c] * reciprocal[c];
+      solution[c] = y[c] * reciprocal[c];
 #pragma GCC unroll 9
-      for (int k = c + 1; k < b; ++k) own[c] += diagonal[k * Block::stride + c] * y[k];
+      for (int k = c + 1; k < b; ++k) solution[c] += diagonal[k * Block::stride + c] * y[k];
+    }
+    if constexpr (b == 3 && Block::lanes == 4) {
+      store<4>(own, VectorOf<4>::Type{solution[0], solution[1], solution[2], 0.0});
+    } else {
+#pragma GCC unroll 9
+      for (int c = 0; c < b; ++c) own[c] = solution[c];
     }
   }
   copyBlocks<b>(x, b, v, Block::stride, leaf.count);
