@@ -11,6 +11,7 @@
 #include <quiver/apps/info/info_text.h>
 #include <quiver/apps/info/loose_vertices.h>
 #include <quiver/apps/info/residual_survey.h>
+#include <quiver/apps/support/counted.h>
 #include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/initial_guess.h>
@@ -189,7 +190,7 @@ void info(const Flags& flags) {
   json.update(describeConnections(graph));
   json["information"] = loaded.report.clampedInformation == 0
                             ? "every matrix is finite, symmetric and positive semi-definite"
-                            : fmt::format("{} matrices were repaired", loaded.report.clampedInformation);
+                            : counted(loaded.report.clampedInformation, "matrix was", "matrices were") + " repaired";
   if (survey.withoutEstimate.empty()) {
     longWork.tell("directions that nothing holds, residuals");
     const Problem problem(graph, {.level = -1, .free = {}, .threads = flags.source.threads});

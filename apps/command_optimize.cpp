@@ -54,9 +54,8 @@ class Run {
     try {
       optimizeGraph(loaded.graph);
     } catch (const GraphError& error) {
-      // An initial guess that could not be finished leaves nothing to save.
-      if (StopCondition(flags_.timeLimit - whole_.seconds(), interrupt_.token()).reached())
-        return stoppedEarly("making the initial guess");
+      // An initial guess that could not be finished leaves vertices without an estimate, and nothing to save.
+      if (timeIsOver()) return stoppedEarly("making the initial guess");
       throw GraphError(fmt::format("{}: {}", displayName(flags_.source.path), error.what()));
     }
     save(loaded);
@@ -137,7 +136,7 @@ class Run {
     longWork_.tell(fmt::format("initial guess for {} vertices and {} edges", graph.vertexCount(), graph.edgeCount()));
     Stopwatch watch;
     Optimizer optimizer(options);
-    report_.guess = makeInitialGuess(graph, flags_.init, optimizer);
+    report_.guess = guessOrKeep(graph, optimizer);
     report_.fileChi2 = report_.guess.fileChi2;
     report_.initializeSeconds = watch.seconds();
     if (report_.guess.name != "file")
@@ -146,6 +145,18 @@ class Run {
     report_.summary = optimizer.optimize(graph);
     if (report_.guess.name == "file") report_.fileChi2 = report_.summary.initialChi2;
     progress.finish(report_.summary);
+  }
+
+  bool timeIsOver() const { return StopCondition(flags_.timeLimit - whole_.seconds(), interrupt_.token()).reached(); }
+
+  /// An initial guess that is stopped leaves the file's estimates, where every vertex has one.
+  InitialGuess guessOrKeep(Graph& graph, Optimizer& optimizer) {
+    try {
+      return makeInitialGuess(graph, flags_.init, optimizer);
+    } catch (const GraphError&) {
+      if (!timeIsOver() || verticesWithoutEstimate(graph) > 0) throw;
+      return {"file", fmt::format("the initial guess '{}' was stopped", flags_.init)};
+    }
   }
 
   Options optionsOf(Graph& graph) const {
@@ -177,7 +188,7 @@ class Run {
             "--marginals: the system is nearly singular: variances of what is known least may be off by {:.0f} %",
             100.0 * report.relativeError));
       if (marginals.ok()) saveText(flags_.marginals, describeMarginals(marginals, changed));
-      report.stopped = !marginals.ok() && StopCondition(options.timeLimit, options.stopToken).reached();
+      report.stopped = marginals.stopped();
     });
     report_.marginalsSeconds = watch.seconds();
   }

@@ -46,7 +46,7 @@ void simulateSphere(const Flags& flags) {
 }
 
 void addNoiseOption(CLI::App& command, const char* name, std::vector<double>& values, const char* text) {
-  addList(command, name, values, text, numberFrom(0, false), ';')->type_name("A[;B;C]")->default_str("0.01");
+  addList(command, name, values, text, numberBetween(1e-100, 1e100), ';')->type_name("A[;B;C]")->default_str("0.01");
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ void addSimulateCommand(CLI::App& parser, int&) {
       ->capture_default_str();
   sphere->add_option("--radius", flags->sphere.radius, "Radius in metres")
       ->type_name("R")
-      ->check(numberFrom(0, false))
+      ->check(numberBetween(1e-100, 1e100))
       ->capture_default_str();
   addNoiseOption(*sphere, "--noise-translation", flags->translationNoise,
                  "Standard deviation of measured translations in metres, of all body axes or of each");

@@ -73,7 +73,7 @@ AutomaticStart automaticStart(Graph& graph, Optimizer& optimizer) {
   double lowest = before;
   const auto consider = [&](const char* name, const Initializer& initializer) {
     if (stop.reached()) return;
-    const SavedEstimates saved(graph);
+    EstimatesGuard guard(graph);
     try {
       const std::string words = initializer(graph, remaining());
       problem.refresh();
@@ -82,12 +82,11 @@ AutomaticStart automaticStart(Graph& graph, Optimizer& optimizer) {
         start = {name, fmt::format("{}: chi2 {:.6g}, lower than {:.6g} of {}", words, after, lowest, start.reason),
                  before};
         lowest = after;
-        return;
+        guard.keep();
       }
     } catch (const GraphError&) {
       // No such start for this graph: not an error, the other one stands.
     }
-    saved.restore(graph);
   };
   consider("chordal", chordalEstimate);
   if (const Initializer* points = graph.registry()->findInitializer("points"); points && lowest > redundant)

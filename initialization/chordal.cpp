@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
+#include <quiver/core/graph/estimates.h>
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/parallel.h>
 #include <quiver/initialization/pose_graph.h>
@@ -16,6 +17,8 @@
 
 namespace quiver {
 namespace {
+
+constexpr const char* timeIsOver = "chordal initialisation: the time is over";
 
 /// A symmetric block system over the poses that are not held, all blocks of one dimension, in elimination order.
 class PoseSystem {
@@ -75,6 +78,7 @@ class PoseSystem {
   /// Overwrites the right-hand sides with the solutions.
   void solve(int count, const StopCondition& stop) {
     SolverStatus status = solver_->factorize(matrix_, {}, stop);
+    if (status.outcome == SolverStatus::Outcome::interrupted) throw GraphError(timeIsOver);
     if (status.ok()) status = solver_->solve(right_, count);
     if (!status.ok()) throw GraphError("chordal initialisation: the relative poses leave some pose undetermined");
   }
@@ -184,7 +188,7 @@ std::int64_t estimatePoses(Graph& graph, const Options& options) {
   if (std::find(poses.held.begin(), poses.held.end(), 0) != poses.held.end()) {
     const int threads = options.threads > 0 ? options.threads : hardwareThreads();
     std::vector<int> order;
-    if (stop.reached()) throw GraphError("chordal initialisation: the time is over");  // before the ordering
+    if (stop.reached()) throw GraphError(timeIsOver);  // before the ordering
     solveRotations(poses, threads, order, stop);
     solveTranslations(poses, threads, order, stop);
   }
@@ -195,9 +199,11 @@ std::int64_t estimatePoses(Graph& graph, const Options& options) {
 }  // namespace
 
 std::string chordalEstimate(Graph& graph, const Options& options) {
+  EstimatesGuard guard(graph);
   const std::int64_t count = estimatePoses<2>(graph, options) + estimatePoses<3>(graph, options);
   if (count == 0) throw GraphError("chordal initialisation: the graph has no poses");
   const std::int64_t others = propagateFromPoses(graph, options);
+  guard.keep();
   return others == 0 ? fmt::format("chordal relaxation of {} poses", count)
                      : fmt::format("chordal relaxation of {} poses, {} other vertices from there", count, others);
 }

@@ -39,29 +39,47 @@ struct PoseOf<3> {
   }
 };
 
+/// Puts the estimates of the two poses of an edge back when it goes.
+template <int D>
+class PosesGuard {
+  static constexpr int size = Packing<typename PoseOf<D>::Pose>::size;
+
+ public:
+  PosesGuard(const Graph& graph, std::array<Vertex*, 2> vertices) : graph_(graph), vertices_(vertices) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      std::copy_n(graph.typeOf(*vertices_[i]).values(*vertices_[i]), size, saved_[i].begin());
+      had_[i] = vertices_[i]->hasEstimate();
+    }
+  }
+  PosesGuard(const PosesGuard&) = delete;
+  PosesGuard& operator=(const PosesGuard&) = delete;
+  ~PosesGuard() {
+    for (std::size_t i = 0; i < 2; ++i) {
+      graph_.typeOf(*vertices_[i]).setValues(*vertices_[i], saved_[i].data());
+      vertices_[i]->setHasEstimate(had_[i]);
+    }
+  }
+
+ private:
+  const Graph& graph_;
+  std::array<Vertex*, 2> vertices_;
+  std::array<std::array<double, static_cast<std::size_t>(size)>, 2> saved_;
+  std::array<bool, 2> had_;
+};
+
 /// The pose an edge gives its second vertex when the first is at `from`; false if it gives none. Leaves both estimates
 /// as they were.
 template <int D>
 bool propagate(const EdgeType& type, const Edge& edge, Graph& graph, const typename PoseOf<D>::Pose& from,
                typename PoseOf<D>::Pose& to) {
   using Pose = typename PoseOf<D>::Pose;
-  constexpr int size = Packing<Pose>::size;
-  std::array<Vertex*, 2> vertices = {graph.findVertex(edge.vertexId(0)), graph.findVertex(edge.vertexId(1))};
-  std::array<std::array<double, size>, 2> saved;
-  std::array<bool, 2> had;
-  for (std::size_t i = 0; i < 2; ++i) {
-    std::copy_n(graph.typeOf(*vertices[i]).values(*vertices[i]), size, saved[i].begin());
-    had[i] = vertices[i]->hasEstimate();
-  }
-  std::array<double, size> values;
+  const std::array<Vertex*, 2> vertices = {graph.findVertex(edge.vertexId(0)), graph.findVertex(edge.vertexId(1))};
+  const PosesGuard<D> guard(graph, vertices);
+  std::array<double, static_cast<std::size_t>(Packing<Pose>::size)> values;
   Packing<Pose>::store(from, values.data());
   graph.typeOf(*vertices[0]).setValues(*vertices[0], values.data());
   const bool told = type.initialEstimate(edge, graph, 1, 1);
   if (told) to = Packing<Pose>::template load<double>(graph.typeOf(*vertices[1]).values(*vertices[1]));
-  for (std::size_t i = 0; i < 2; ++i) {
-    graph.typeOf(*vertices[i]).setValues(*vertices[i], saved[i].data());
-    vertices[i]->setHasEstimate(had[i]);
-  }
   return told;
 }
 

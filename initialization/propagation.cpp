@@ -1,75 +1,175 @@
 #include <quiver/initialization/propagation.h>
 
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <queue>
+#include <span>
+
 #include <fmt/format.h>
 
 #include <quiver/core/problem/canonical_order.h>
 #include <quiver/core/util/error.h>
+#include <quiver/core/util/stop_condition.h>
 
 namespace quiver {
 namespace {
 
-/// Lets an edge tell one vertex that is not known yet, if all its others are; whether it did.
-bool tell(Graph& graph, const Edge& edge) {
-  std::uint64_t known = 0;
-  int unknown = -1;
-  for (int role = 0; role < edge.arity(); ++role) {
-    if (graph.findVertex(edge.vertexId(role))->hasEstimate()) {
-      known |= std::uint64_t{1} << std::min(role, 63);
-    } else if (unknown >= 0) {
-      return false;
-    } else {
-      unknown = role;
-    }
+/// Edges tell, one after the other in canonical order, again and again from the first, what is not known yet; those
+/// that cannot, as more than one of their vertices is unknown, are not looked at. O((vertices + edges) log edges).
+class Propagation {
+ public:
+  Propagation(Graph& graph, const Options& options)
+      : graph_(graph), stop_(options.timeLimit, options.stopToken), free_(options.free) {
+    std::sort(free_.begin(), free_.end());
+    collectEdges(options.level);
+    graph.forEachVertex([&](Vertex& vertex) { vertices_.push_back(&vertex); });
   }
-  return unknown >= 0 && graph.typeOf(edge).initialEstimate(edge, graph, known, unknown);
-}
 
-/// Lets edges, type by type, tell what is not known until no edge can tell more.
-void tellAll(Graph& graph, const std::vector<std::vector<const Edge*>>& byType, const std::vector<int>& order) {
-  for (std::int64_t told = 1; told > 0;) {
-    told = 0;
-    for (const int type : order) {
-      for (const Edge* edge : byType[static_cast<std::size_t>(type)]) told += tell(graph, *edge);
+  /// The number of vertices that edges told.
+  std::int64_t run() {
+    forget();
+    linkEdges();
+    tellAll();
+    // Types that no edge tells, as intrinsics, keep what they had, and others may be told from there.
+    std::vector<char> told(graph_.registry()->vertexTypes().size(), 0);
+    for (const int vertex : unset_) {
+      if (known_[at(vertex)]) told[at(vertices_[at(vertex)]->type())] = 1;
+    }
+    for (const int vertex : unset_) {
+      if (!had_[at(vertex)] || told[at(vertices_[at(vertex)]->type())]) continue;
+      vertices_[at(vertex)]->setHasEstimate(true);
+      settle(vertex, -1);
+    }
+    tellAll();
+    for (const int vertex : unset_) {
+      if (had_[at(vertex)]) vertices_[at(vertex)]->setHasEstimate(true);
+    }
+    return told_;
+  }
+
+ private:
+  using Queue = std::priority_queue<int, std::vector<int>, std::greater<>>;
+
+  static std::size_t at(int index) { return static_cast<std::size_t>(index); }
+  std::span<const std::int32_t> endsOf(int edge) const {
+    return {ends_.data() + endsBegin_[at(edge)], ends_.data() + endsBegin_[at(edge) + 1]};
+  }
+
+  void collectEdges(int level) {
+    std::vector<std::vector<const Edge*>> byType(graph_.registry()->edgeTypes().size());
+    std::as_const(graph_).forEachEdge([&](const Edge& edge) {
+      if (level < 0 || edge.level() == level) byType[at(edge.type())].push_back(&edge);
+    });
+    for (const int type : edgeTypeOrder(*graph_.registry())) {
+      sortEdges(graph_, byType[at(type)]);
+      edges_.insert(edges_.end(), byType[at(type)].begin(), byType[at(type)].end());
     }
   }
-}
+
+  /// Takes what is to be told for unknown.
+  void forget() {
+    for (int i = 0; i < static_cast<int>(vertices_.size()); ++i) {
+      Vertex& vertex = *vertices_[at(i)];
+      const bool chosen = free_.empty() || std::binary_search(free_.begin(), free_.end(), vertex.id());
+      const bool held = vertex.fixedDirections() != 0 || (!chosen && vertex.hasEstimate());
+      had_.push_back(vertex.hasEstimate());
+      if (!held && graph_.typeOf(vertex).poseKind() == PoseKind::none) {
+        unset_.push_back(i);
+        vertex.setHasEstimate(false);
+      }
+      known_.push_back(vertex.hasEstimate());
+    }
+  }
+
+  void linkEdges() {
+    const SlotTable places(vertices_);
+    endsBegin_.assign(1, 0);
+    touchingBegin_.assign(vertices_.size() + 1, 0);
+    for (const Edge* edge : edges_) {
+      int unknown = 0;
+      for (const std::int64_t id : edge->vertexIds()) {
+        ends_.push_back(places.find(id));
+        ++touchingBegin_[at(ends_.back()) + 1];
+        unknown += known_[at(ends_.back())] ? 0 : 1;
+      }
+      endsBegin_.push_back(static_cast<std::int64_t>(ends_.size()));
+      unknown_.push_back(unknown);
+      if (unknown == 1) now_.push(static_cast<int>(unknown_.size()) - 1);
+    }
+    std::partial_sum(touchingBegin_.begin(), touchingBegin_.end(), touchingBegin_.begin());
+    std::vector<std::int64_t> next(touchingBegin_.begin(), touchingBegin_.end() - 1);
+    touching_.resize(ends_.size());
+    for (int edge = 0; edge < static_cast<int>(edges_.size()); ++edge) {
+      for (const std::int32_t end : endsOf(edge)) touching_[static_cast<std::size_t>(next[at(end)]++)] = edge;
+    }
+  }
+
+  void tellAll() {
+    constexpr int patience = 256;
+    for (int looks = 1; !now_.empty() || !later_.empty(); ++looks) {
+      if (looks % patience == 0 && stop_.reached()) throw GraphError("initial guess: the time is over");
+      if (now_.empty()) std::swap(now_, later_);
+      const int edge = now_.top();
+      now_.pop();
+      if (unknown_[at(edge)] == 1) tell(edge);
+    }
+  }
+
+  void tell(int index) {
+    const Edge& edge = *edges_[at(index)];
+    const std::span<const std::int32_t> ends = endsOf(index);
+    std::uint64_t known = 0;
+    int to = 0;
+    for (int role = 0; role < edge.arity(); ++role) {
+      if (known_[at(ends[at(role)])]) {
+        known |= std::uint64_t{1} << std::min(role, 63);
+      } else {
+        to = role;
+      }
+    }
+    if (!graph_.typeOf(edge).initialEstimate(edge, graph_, known, to)) return;
+    ++told_;
+    settle(ends[at(to)], index);
+  }
+
+  /// A vertex has become known by an edge, or −1: edges behind that one get their turn at once, others in the next.
+  void settle(int vertex, int by) {
+    known_[at(vertex)] = 1;
+    for (std::int64_t i = touchingBegin_[at(vertex)]; i < touchingBegin_[at(vertex) + 1]; ++i) {
+      const int edge = touching_[static_cast<std::size_t>(i)];
+      if (--unknown_[at(edge)] == 1) (edge > by ? now_ : later_).push(edge);
+    }
+  }
+
+  Graph& graph_;
+  StopCondition stop_;
+  std::vector<std::int64_t> free_;
+  std::vector<const Edge*> edges_;  // in canonical order
+  std::vector<Vertex*> vertices_;
+  std::vector<char> had_;  // an estimate before
+  std::vector<char> known_;
+  std::vector<int> unset_;  // vertices to be told
+  std::vector<std::int32_t> ends_;
+  std::vector<std::int64_t> endsBegin_;
+  std::vector<std::int32_t> touching_;  // edges of each vertex
+  std::vector<std::int64_t> touchingBegin_;
+  std::vector<int> unknown_;  // vertices of each edge
+  Queue now_;
+  Queue later_;
+  std::int64_t told_ = 0;
+};
 
 }  // namespace
 
 std::int64_t propagateFromPoses(Graph& graph, const Options& options) {
-  std::vector<Vertex*> unset;
-  std::vector<Vertex*> had;  // an estimate before
-  graph.forEachVertex([&](Vertex& vertex) {
-    if (graph.typeOf(vertex).poseKind() != PoseKind::none || vertex.fixedDirections() != 0) return;
-    unset.push_back(&vertex);
-    if (vertex.hasEstimate()) had.push_back(&vertex);
-    vertex.setHasEstimate(false);
-  });
-  if (unset.empty()) return 0;
-  std::vector<std::vector<const Edge*>> byType(graph.registry()->edgeTypes().size());
-  std::as_const(graph).forEachEdge([&](const Edge& edge) {
-    if (options.level < 0 || edge.level() == options.level)
-      byType[static_cast<std::size_t>(edge.type())].push_back(&edge);
-  });
-  for (auto& edges : byType) sortEdges(graph, edges);
-  const std::vector<int> order = edgeTypeOrder(*graph.registry());
-  tellAll(graph, byType, order);
-  // Types that no edge tells, as intrinsics, keep what they had, and others may be told from there.
-  std::vector<char> told(graph.registry()->vertexTypes().size(), 0);
-  for (const Vertex* vertex : unset) {
-    if (vertex->hasEstimate()) told[static_cast<std::size_t>(vertex->type())] = 1;
-  }
-  for (Vertex* vertex : had) {
-    if (!told[static_cast<std::size_t>(vertex->type())]) vertex->setHasEstimate(true);
-  }
-  tellAll(graph, byType, order);
-  for (Vertex* vertex : had) vertex->setHasEstimate(true);
+  const std::int64_t told = Propagation(graph, options).run();
   std::as_const(graph).forEachVertex([&](const Vertex& vertex) {
     if (vertex.hasEstimate()) return;
     throw GraphError(fmt::format("no edge can tell where vertex {} ({}) is, and it has no estimate", vertex.id(),
                                  graph.typeOf(vertex).tag()));
   });
-  return static_cast<std::int64_t>(unset.size());
+  return told;
 }
 
 }  // namespace quiver

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include <quiver/core/graph/estimates.h>
 #include <quiver/initialization/estimate_tree.h>
 
 namespace quiver {
@@ -55,18 +56,23 @@ double jumps(const EdgeType&, const Edge& edge) {
   return edge.arity() == 2 && std::abs(edge.vertexId(0) - edge.vertexId(1)) == 1 ? 0.0 : 1.0;
 }
 
+std::string estimateByTree(Graph& graph, const Options& options, detail::EstimateTree::Length length,
+                           const std::string& name) {
+  EstimatesGuard guard(graph);
+  detail::EstimateTree tree(graph, options, length);
+  tree.grow();
+  guard.keep();
+  return tree.describe(name);
+}
+
 }  // namespace
 
 std::string spanningTreeEstimate(Graph& graph, const Options& options) {
-  detail::EstimateTree tree(graph, options, accumulatedVariance);
-  tree.grow();
-  return tree.describe("a tree of least accumulated variance");
+  return estimateByTree(graph, options, accumulatedVariance, "a tree of least accumulated variance");
 }
 
 std::string odometryEstimate(Graph& graph, const Options& options) {
-  detail::EstimateTree tree(graph, options, jumps);
-  tree.grow();
-  return tree.describe("the odometry");
+  return estimateByTree(graph, options, jumps, "the odometry");
 }
 
 }  // namespace quiver

@@ -130,7 +130,8 @@ std::string loadPlugin(Registry& registry, const std::string& path) {
   Library library = open(absolute, RTLD_LAZY);
   checkAbi(library, path);
   library.reset();  // what is open lazily stays so
-  library = open(absolute, RTLD_NOW);
+  // An exception of the plugin's may outlive the registry, so its code stays.
+  library = open(absolute, RTLD_NOW | RTLD_NODELETE);
   using Entry = int (*)(PluginHost*);
   const auto entry = reinterpret_cast<Entry>(symbol(library, path, "quiverPlugin"));
   registry.keepAlive(library);

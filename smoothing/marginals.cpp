@@ -33,6 +33,7 @@ struct Marginals::Contents {
 
   GaugeReport gauge;
   std::string reason;
+  bool stopped = false;
   SelectedInverse inverse;
   std::unordered_map<std::int64_t, Known> vertices;
   std::int64_t scalars = 0;
@@ -80,10 +81,11 @@ void Marginals::Contents::compute(Graph& graph, const Options& options) {
   problem.setRobustCorrection(options.robustCorrection);
   Options holding = options;
   if (holding.gauge == GaugePolicy::automatic) holding.gauge = GaugePolicy::fix;
-  // Where vertices are fixed, the others are known relative to these or not at all.
+  // Where vertices are fixed, the others are known relative to these or, unless more is to be held, not at all.
   const std::vector<char> anchored = besideConstants(problem);
   const auto floats = [&](const ComponentGauge& component) {
-    return std::none_of(component.variables.begin(), component.variables.end(),
+    return options.gauge == GaugePolicy::fix ||
+           std::none_of(component.variables.begin(), component.variables.end(),
                         [&](int v) { return anchored[static_cast<std::size_t>(v)]; });
   };
   if (problem.variables() > 0) settleGauge(problem, holding, false, gauge, floats);
@@ -126,7 +128,10 @@ void Marginals::Contents::invert(Problem& problem, const Options& options) {
   }
   inverse = SelectedInverse(matrix, stop);
   if (inverse.stopped()) {
-    reason = "interrupted while covariances were computed, or out of time";
+    stopped = true;
+    reason = stop.reason() == StopCondition::Reason::timeLimit
+                 ? "the time limit was reached while covariances were computed"
+                 : "interrupted while covariances were computed";
     return;
   }
   for (const SelectedInverse::Pinned& pinned : inverse.pinned()) {
@@ -235,6 +240,7 @@ Marginals& Marginals::operator=(Marginals&&) noexcept = default;
 
 bool Marginals::ok() const { return contents_->reason.empty(); }
 const std::string& Marginals::reason() const { return contents_->reason; }
+bool Marginals::stopped() const { return contents_->stopped; }
 double Marginals::relativeError() const { return contents_->relativeError; }
 const GaugeReport& Marginals::gauge() const { return contents_->gauge; }
 
@@ -249,13 +255,20 @@ std::vector<std::int64_t> Marginals::undetermined() const {
   return ids;
 }
 
-Eigen::MatrixXd Marginals::covariance(std::int64_t id) const { return contents_->block(id, id); }
-Eigen::MatrixXd Marginals::covariance(std::int64_t a, std::int64_t b) const { return contents_->block(a, b); }
+int Marginals::dimension(std::int64_t id) const {
+  if (!contents_->reason.empty()) throw GraphError(contents_->reason);
+  return contents_->known(id).dimension;
+}
 
-Eigen::MatrixXd Marginals::joint(std::span<const std::int64_t> ids) const {
+void Marginals::copyBlock(std::int64_t a, std::int64_t b, double* out) const {
+  const Eigen::MatrixXd block = contents_->block(a, b);
+  std::copy_n(block.data(), block.size(), out);
+}
+
+void Marginals::copyJoint(std::span<const std::int64_t> ids, double* out) const {
   Eigen::Index scalars = 0;
   for (const std::int64_t id : ids) scalars += contents_->known(id).dimension;
-  Eigen::MatrixXd joint(scalars, scalars);
+  Eigen::Map<Eigen::MatrixXd> joint(out, scalars, scalars);
   Eigen::Index column = 0;
   for (std::size_t j = 0; j < ids.size(); ++j) {
     Eigen::Index row = column;
@@ -267,7 +280,6 @@ Eigen::MatrixXd Marginals::joint(std::span<const std::int64_t> ids) const {
     }
     column += contents_->known(ids[j]).dimension;
   }
-  return joint;
 }
 
 }  // namespace quiver

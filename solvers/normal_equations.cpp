@@ -114,11 +114,12 @@ LinearOutcome NormalEquations::solve(std::span<const double> damping, std::span<
   }
   loadGradient();
   const SolverStatus status = solver_->factorizeAndSolve(matrix_, blockDamping, blockVector_, stop);
-  if (status.ok()) toVariables(blockVector_, delta);
+  const LinearOutcome outcome = outcomeOf(status);
+  if (outcome.hasStep()) toVariables(blockVector_, delta);
   const double solve = status.ok() ? solver_->solveSeconds() : 0.0;
   seconds_.factorize += watch.lap() - solve;
   seconds_.solve += solve;
-  return outcomeOf(status);
+  return outcome;
 }
 
 LinearOutcome NormalEquations::solveWithLastFactor(std::span<double> delta, const StopCondition&) {

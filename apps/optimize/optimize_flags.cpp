@@ -182,7 +182,8 @@ void addOptimizeFlags(CLI::App& command, OptimizeFlags& flags) {
       .add_option(
           "--marginals", flags.marginals,
           "Write the covariance of every vertex that moves here (- is standard output): tag, id, upper triangle. "
-          "The gauge is held for it, unless --gauge free says not to")
+          "The gauge is held for it unless --gauge free says not to, but where vertices are fixed only if --gauge fix "
+          "asks for it")
       ->type_name("FILE")
       ->check(outputPath());
   command.add_option("--json", flags.json, "Write a report of the run here (- is standard output)")

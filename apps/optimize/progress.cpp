@@ -46,8 +46,10 @@ std::string closingText(const Summary& summary) {
   }
   if (!summary.gauge.reason.empty()) text += fmt::format("gauge: {}\n", summary.gauge.reason);
   if (!summary.isolated.empty()) {
-    text += fmt::format("{} {} no edge touches left as they are (the first is {})\n", summary.isolated.size(),
-                        summary.isolated.size() == 1 ? "vertex that" : "vertices that", summary.isolated.front());
+    const bool one = summary.isolated.size() == 1;
+    text += fmt::format("{} no edge touches left as {} (the first is {})\n",
+                        counted(static_cast<std::int64_t>(summary.isolated.size()), "vertex that", "vertices that"),
+                        one ? "it is" : "they are", summary.isolated.front());
   }
   text += fmt::format("{}: {}\n", toString(summary.status), summary.reason);
   if (!std::isfinite(summary.initialChi2)) return text;

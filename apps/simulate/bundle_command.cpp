@@ -1,5 +1,6 @@
 #include <quiver/apps/simulate/bundle_command.h>
 
+#include <algorithm>
 #include <type_traits>
 
 #include <CLI/CLI.hpp>
@@ -38,8 +39,10 @@ void simulateBundle(const Flags& flags) {
     throw OutputError(error.what());
   }
   std::FILE* const stream = flags.output == "-" || flags.truth == "-" ? stderr : stdout;
-  tell(stream, "a {} of {} cameras, {} points and {} observations: {}\n", flags.bundle.scene, counts.cameras,
-       counts.points, counts.observations, flags.output);
+  tell(stream, "a {} of {} cameras, {} points and {} observations, {:.1f} a point: {}\n", flags.bundle.scene,
+       counts.cameras, counts.points, counts.observations,
+       static_cast<double>(counts.observations) / static_cast<double>(std::max<std::int64_t>(counts.points, 1)),
+       flags.output);
 }
 
 template <typename Number>
@@ -71,7 +74,8 @@ void addBundleSimulation(CLI::App& simulate) {
       ->capture_default_str();
   addNumber(*command, "--cameras", bundle.cameras, "Cameras");
   addNumber(*command, "--points", bundle.points, "Points");
-  addNumber(*command, "--track-length", bundle.trackLength, "Observations of a point on average, at least 2");
+  addNumber(*command, "--track-length", bundle.trackLength,
+            "Observations of a point on average, at least 2, as far as so many cameras see it");
   addNumber(*command, "--rounds", bundle.rounds, "Times that the same way is gone");
   addNumber(*command, "--noise", bundle.pixelNoise, "Standard deviation of a pixel");
   addNumber(*command, "--outliers", bundle.outliers, "Share of observations that are anywhere in the image");

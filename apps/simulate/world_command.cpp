@@ -85,7 +85,8 @@ void addWorld(CLI::App& simulateCommand, WorldKind kind, const char* name, const
         ->type_name("N")
         ->transform(wholeNumber<std::int64_t>(0))
         ->capture_default_str();
-  addList(*command, "--sensors", flags->sensors, fmt::format("Any of {}", fmt::join(sensors, ", ")), wordAmong(sensors))
+  addList(*command, "--sensors", flags->sensors,
+          fmt::format("Any of {}; odometry is always among them", fmt::join(sensors, ", ")), wordAmong(sensors))
       ->type_name("A[,B...]")
       ->default_str(fmt::format("{}", fmt::join(initial, ",")));
   command->footer(

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <quiver/core/problem/canonical_order.h>
 #include <quiver/core/util/error.h>
 #include <quiver/types_slam2d/edge_se2.h>
 #include <quiver/types_slam3d/edge_se3.h>
@@ -30,22 +31,19 @@ struct PoseEdges {
   explicit PoseEdges(const Graph& graph) {
     const EdgeType* type = graph.registry()->findEdgeTypeByName(typeName<E>());
     std::set<std::int64_t> ids;
-    std::vector<const E*> loops;
+    std::vector<const Edge*> loops;
     graph.forEachEdge([&](const Edge& edge) {
       if (&graph.typeOf(edge) != type) return;
       const std::int64_t low = std::min(edge.vertexId(0), edge.vertexId(1));
       const std::int64_t high = std::max(edge.vertexId(0), edge.vertexId(1));
       joined.emplace(low, high);
       ids.insert({low, high});
-      if (high - low != 1) loops.push_back(static_cast<const E*>(&edge));
+      if (high - low != 1) loops.push_back(&edge);
     });
-    // The order of the file must not matter.
-    std::sort(loops.begin(), loops.end(), [](const E* a, const E* b) {
-      return Pair(a->vertexId(0), a->vertexId(1)) < Pair(b->vertexId(0), b->vertexId(1));
-    });
-    for (const E* edge : loops) {
-      measurements.push_back(edge->measurement());
-      informations.push_back(edge->information());
+    sortEdges(graph, loops);  // the order of the file must not matter
+    for (const Edge* edge : loops) {
+      measurements.push_back(static_cast<const E*>(edge)->measurement());
+      informations.push_back(static_cast<const E*>(edge)->information());
     }
     poses.assign(ids.begin(), ids.end());
   }

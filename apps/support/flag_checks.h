@@ -44,12 +44,17 @@ inline CLI::Validator wordAmong(const std::vector<std::string>& words) {
       "");
 }
 
+/// Whether a word is a decimal number, which goes to `value`: hexadecimal ones, as files, are refused.
+inline bool isDecimal(const std::string& word, double& value) {
+  return word.find_first_of("xX") == std::string::npos && CLI::detail::lexical_cast(word, value);
+}
+
 /// A finite number of at least `least`, or more than it.
 inline CLI::Validator numberFrom(double least, bool included = true) {
   return CLI::Validator(
       [least, included](std::string& word) -> std::string {
         double value = 0.0;
-        const bool number = CLI::detail::lexical_cast(word, value) && std::isfinite(value);
+        const bool number = isDecimal(word, value) && std::isfinite(value);
         if (number && (value > least || (included && value == least))) return "";
         return fmt::format("'{}' is no number {} {}", word, included ? "of at least" : "greater than", least);
       },
@@ -61,7 +66,7 @@ inline CLI::Validator numberBetween(double least, double most) {
   return CLI::Validator(
       [least, most](std::string& word) -> std::string {
         double value = 0.0;
-        if (CLI::detail::lexical_cast(word, value) && value >= least && value <= most) return "";
+        if (isDecimal(word, value) && value >= least && value <= most) return "";
         return fmt::format("'{}' is no number from {} to {}", word, least, most);
       },
       "");

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <quiver/core/util/error.h>
+#include <quiver/core/util/signals_blocked.h>
 
 namespace quiver::app {
 namespace {
@@ -40,10 +41,13 @@ void setHandler(void (*handler)(int)) {
 
 Interrupt::Interrupt() {
   if (pipe(pipe_) != 0) throw Error(fmt::format("no pipe for signals: {}", std::strerror(errno)));
-  watcher_ = std::thread([this] {
-    char byte = 0;
-    if (read(pipe_[0], &byte, 1) == 1) source_.request_stop();
-  });
+  {
+    const SignalsBlocked blocked;
+    watcher_ = std::thread([this] {
+      char byte = 0;
+      if (read(pipe_[0], &byte, 1) == 1) source_.request_stop();
+    });
+  }
   signalsSeen = 0;
   signalPipe = pipe_[1];
   setHandler(onSignal);

@@ -383,8 +383,13 @@ void Descent::end() {
   system_.addSeconds(report_.seconds);
   if (bestSaved_ && totals_.cost > bestTotals_.cost) {
     const double settled = totals_.cost;
-    const bool above = summary_.status == Status::converged && settled > bestTotals_.cost * (1.0 + 1e-9) &&
-                       relativeStep_ > options_.stepTolerance && !atRest(true);
+    bool above = summary_.status == Status::converged && settled > bestTotals_.cost * (1.0 + 1e-9) &&
+                 relativeStep_ > options_.stepTolerance;
+    try {
+      above = above && !atRest(true);
+    } catch (const WorkStopped&) {
+      above = false;  // no time to ask
+    }
     problem_.restoreBest();
     totals_ = bestTotals_;
     if (above) {

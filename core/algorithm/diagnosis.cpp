@@ -140,7 +140,9 @@ std::vector<std::string> directionsOf(const Problem& problem, const std::vector<
   std::vector<std::string> directions;
   for (Eigen::Index k = 0; k < rank; ++k) {
     const Eigen::VectorXd direction = svd.matrixU().col(k).cwiseQuotient(scales).normalized();
-    directions.push_back(describeDirection(direction, names));
+    std::string words = describeDirection(direction, names);
+    if (std::find(directions.begin(), directions.end(), words) == directions.end())
+      directions.push_back(std::move(words));
   }
   return directions;
 }
@@ -202,12 +204,12 @@ std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const 
     if (gauge.free == 0) continue;
     const int slot = problem.slotOfVariable(gauge.anchor);
     return fmt::format(
-        "a component of {} vertices may move as a whole in {} directions, since nothing ties it to the world: fix "
+        "a component of {} vertices may move as a whole in {} direction{}, since nothing ties it to the world: fix "
         "vertex {} ({}; {}) "
         "with --fix {}, or use --gauge fix{}",
-        gauge.variables.size(), gauge.free, problem.vertex(slot).id(), problem.vertexType(slot).tag(),
-        join(problem.vertexType(slot).tangentNames(problem.dimension(gauge.anchor))), problem.vertex(slot).id(),
-        damping);
+        gauge.variables.size(), gauge.free, gauge.free == 1 ? "" : "s", problem.vertex(slot).id(),
+        problem.vertexType(slot).tag(), join(problem.vertexType(slot).tangentNames(problem.dimension(gauge.anchor))),
+        problem.vertex(slot).id(), damping);
   }
   if (std::string found = describeNullSpace(problem, system, damping); !found.empty()) return found;
   if (outcome.variable < 0) return "the linear system is not positive definite";

@@ -227,6 +227,8 @@ bool clearlyHeld(const Problem& problem) {
       }
     }
   }
+  // Not a number would pass for a pivot.
+  if (!square.allFinite() || !(square.diagonal().minCoeff() > 0.0)) return false;
   const Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, mostDirections, 1> scale =
       square.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::LLT<Square> factor(scale.asDiagonal() * square * scale.asDiagonal());

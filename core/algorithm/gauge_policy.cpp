@@ -28,12 +28,12 @@ std::string describeGauge(const GaugeReport& report, bool fixes, int found, cons
   constexpr std::size_t most = 8;
   const std::string components = report.components == 1 ? "" : fmt::format(" in {} components", report.components);
   if (found == 0) return fmt::format("nothing is free{}", components);
-  if (!fixes) return fmt::format("{} directions are free{} and left so", found, components);
-  if (holds.empty()) return fmt::format("{} directions are free{}; no vertex could be held", found, components);
+  const std::string free = found == 1 ? "1 direction is free" : fmt::format("{} directions are free", found);
+  if (!fixes) return fmt::format("{}{} and left so", free, components);
+  if (holds.empty()) return fmt::format("{}{}; no vertex could be held", free, components);
   const auto end = holds.begin() + static_cast<std::ptrdiff_t>(std::min(most, holds.size()));
   const std::string others = holds.size() > most ? fmt::format(" and {} others", holds.size() - most) : "";
-  return fmt::format("{} directions are free{}; vertex {}{} held", found, components,
-                     fmt::join(holds.begin(), end, ", "), others);
+  return fmt::format("{}{}; vertex {}{} held", free, components, fmt::join(holds.begin(), end, ", "), others);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ namespace quiver {
 struct HeldSlot {
   int slot;
   std::uint64_t directions;
+  bool operator==(const HeldSlot&) const = default;
 };
 
 /// Asks at an optimum whether what a gauge holds was free indeed.

@@ -69,7 +69,8 @@ void levenbergMarquardt(Descent& descent) {
     double predicted = 0.0;
     double ratio = -1.0;
     CostTotals trial;
-    if (outcome.ok()) {
+    // What conjugate gradients had at their limit lowers the model too, by as much as the formula says.
+    if (outcome.hasStep()) {
       predicted = predictedDecrease(delta, system.gradient(), scaled, descent.vectorThreads());
       trial = descent.tryStep();
       const double actual = descent.totals().cost - trial.cost;

@@ -15,6 +15,7 @@ struct Options;
 
 /// How a solve ended; `variable` counts the problem's variables.
 struct LinearOutcome {
+  /// notConverged: an iteration reached its limit, and what it had is the step.
   enum class Kind { success, notPositiveDefinite, notConverged, interrupted, memoryLimit };
   Kind kind = Kind::success;
   /// Where the first pivot was not positive; −1 if nowhere.
@@ -24,6 +25,8 @@ struct LinearOutcome {
   int iterations = 0;
 
   bool ok() const { return kind == Kind::success; }
+  /// Whether there is a step: the solution, or one on the way to it.
+  bool hasStep() const { return ok() || kind == Kind::notConverged; }
 };
 
 /// Totals over all edges at one state.

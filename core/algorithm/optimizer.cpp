@@ -150,11 +150,18 @@ struct Optimizer::Compiled {
   /// Asked whether it eliminates, not analysed yet.
   std::unique_ptr<LinearSystem> asked;
   GaugeReport gauge;
+  std::vector<HeldSlot> held;
   HoldCheck holds;
   DescentMemory memory;
   Summary summary;
+  /// Whether the automatic policy goes by damped steps.
+  bool damped = false;
   bool settled = false;
+  /// Numbers that the gauge was found by have changed, estimates aside.
+  bool changed = false;
   bool reused = false;
+  /// The gauge is that of an earlier call, whose estimates were others.
+  bool gaugeKept = false;
 
   /// The problem, anew unless the graph has the structure of the last call.
   void compile(Graph& graph, const Options& options, bool again) {
@@ -164,15 +171,19 @@ struct Optimizer::Compiled {
       const std::uint64_t before = std::exchange(revision, graph.revision());
       const bool unchanged = key.isOf(graph) && revision == before;
       newKey = StructureKey(graph, options, threads, unchanged ? &key : nullptr);
-      if (problem && newKey == key) return problem->refresh(unchanged);
+      if (problem && newKey == key) {
+        changed = changed || !unchanged;
+        return problem->refresh(unchanged);
+      }
     }
     system.reset();
     asked.reset();
     problem.reset();
     gauge = {};
+    held.clear();
     holds = {};
     memory.scale.reset();
-    settled = false;
+    settled = changed = false;
     key = {};  // should compiling fail, nothing is known
     registry = graph.registry();
     announce(options, graph, "compiling the problem");
@@ -180,21 +191,42 @@ struct Optimizer::Compiled {
     key = std::move(newKey);
   }
 
-  /// The gauge of a problem just compiled; false if that was stopped.
+  /// The gauge of a problem just compiled, or whose numbers have changed; false if that was stopped.
   bool settle(const Options& options, const NamedEntry<Algorithm>* algorithm) {
     reused = settled;
-    if (settled || problem->variables() == 0) return settled = true;
-    // Eliminating or robust kernels make the algorithm a damped one, which leaves the gauge free.
-    asked = makeSystem(*problem->graph().registry(), options);
-    const bool damped =
-        algorithm ? algorithm->value.damped : hasRobustKernel(*problem) || asked->eliminates(*problem, options);
+    gaugeKept = settled && !changed;
+    if (gaugeKept || (problem->variables() == 0 && held.empty())) return settled = true;
+    if (!settled) {
+      // Eliminating or robust kernels make the algorithm a damped one, which leaves the gauge free.
+      asked = makeSystem(*problem->graph().registry(), options);
+      damped = algorithm ? algorithm->value.damped : hasRobustKernel(*problem) || asked->eliminates(*problem, options);
+    } else if (!held.empty()) {
+      problem->releaseDirections();
+    }
     try {
-      holds = HoldCheck(*problem, settleGauge(*problem, options, damped, gauge));
+      gauge = {};
+      std::vector<HeldSlot> found = settleGauge(*problem, options, damped, gauge);
+      if (settled && found != held) {
+        // Other variables: what was analysed serves no more.
+        reused = false;
+        system.reset();
+        memory.scale.reset();
+      }
+      held = std::move(found);
+      holds = HoldCheck(*problem, held);
       settled = true;
+      changed = false;
     } catch (const WorkStopped&) {
       gauge = {};
+      settled = false;
+      key = {};
     }
     return settled;
+  }
+
+  /// Whether the descent ended as one does whose gauge is not the one that was found at other estimates.
+  bool doubtsGauge() const {
+    return gaugeKept && (summary.status == Status::numericalFailure || summary.plan.algorithm == "gn, then lm");
   }
 
   /// The linear system of a problem whose gauge is settled, ready for numbers.
@@ -277,12 +309,22 @@ Summary& Optimizer::run(Graph& graph, bool again) {
 }
 
 void Optimizer::solve(Graph& graph, bool again, const Options& options, const StopCondition& stop) {
+  if (attempt(graph, again, options, stop)) return;
+  // Once more from the same estimates, which the graph still has, with everything compiled anew.
+  compiled_->key = {};
+  compiled_->summary.clear();
+  compiled_->summary.threads = threadsOf(options);
+  (void)attempt(graph, again, options, stop);
+}
+
+bool Optimizer::attempt(Graph& graph, bool again, const Options& options, const StopCondition& stop) {
   Stopwatch watch;
   Summary& summary = compiled_->summary;
   const NamedEntry<Algorithm>* const algorithm = algorithmOf(options, *graph.registry());
   if (const std::int64_t bytes = options.memoryLimit > 0 ? estimateCompilation(graph, options) : 0;
       bytes > options.memoryLimit) {
-    return reportUnmoved(nullptr, Status::memoryLimit, describeExcess(bytes, options), summary);
+    reportUnmoved(nullptr, Status::memoryLimit, describeExcess(bytes, options), summary);
+    return true;
   }
   compiled_->compile(graph, options, again);
   Problem& problem = *compiled_->problem;
@@ -298,11 +340,14 @@ void Optimizer::solve(Graph& graph, bool again, const Options& options, const St
   chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
   summary.seconds.compile += watch.lap();
   if (problem.variables() == 0) {
-    return reportUnmoved(&problem, Status::nothingToOptimise,
-                         problem.edges() == 0 ? "no edge takes part" : "every vertex that an edge touches is fixed",
-                         summary);
+    reportUnmoved(&problem, Status::nothingToOptimise,
+                  problem.edges() == 0 ? "no edge takes part" : "every vertex that an edge touches is fixed", summary);
+    return true;
   }
-  if (!settled || stop.reached()) return reportStopped(problem, stop, summary);
+  if (!settled || stop.reached()) {
+    reportStopped(problem, stop, summary);
+    return true;
+  }
   compiled_->analyze(options, summary.threads);
   summary.plan = compiled_->system->plan();
   summary.seconds.analyze += watch.lap();
@@ -310,15 +355,17 @@ void Optimizer::solve(Graph& graph, bool again, const Options& options, const St
     reportUnmoved(&problem, Status::memoryLimit,
                   describeExcess(estimateCompilation(graph, options) + summary.plan.bytes, options), summary);
     compiled_->system.reset();
-    return;
+    return true;
   }
   const bool damped = chooseAlgorithm(algorithm, hasRobustKernel(problem), summary.gauge, summary.plan);
   announce(options, graph, "optimising");
   Descent descent(problem, *compiled_->system, options, stop, compiled_->memory, summary);
   compiled_->descendOrKeep(descent, algorithm, damped);
+  if (compiled_->doubtsGauge()) return false;
   summary.plan.singular = compiled_->system->plan().singular;
   problem.store();
   summary.seconds.optimize += watch.lap();
+  return true;
 }
 
 Summary optimize(Graph& graph, const Options& options) { return std::move(Optimizer(options).run(graph, false)); }

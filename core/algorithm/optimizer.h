@@ -25,9 +25,9 @@ class StopCondition;
 ///
 /// A call whose graph has the structure of the last one (the same elements, levels, fixed directions and run-time
 /// dimensions; robust kernels or none; zeros at the same places of the information's diagonals; estimates,
-/// measurements, other information, kernels and parameter values may differ) starts iterating at once and allocates
-/// nothing, once a call has met what it needs. Otherwise it compiles anew. The graph must outlive the optimizer's next
-/// call. Not thread safe.
+/// measurements, other information, kernels and parameter values may differ) starts iterating at once. If estimates
+/// alone differ it allocates nothing, once a call has met what it needs; else it finds the gauge anew. Otherwise it
+/// compiles anew. The graph must outlive the optimizer's next call. Not thread safe.
 class Optimizer {
  public:
   explicit Optimizer(Options options = {});
@@ -53,6 +53,8 @@ class Optimizer {
   Summary& run(Graph& graph, bool again);
   /// One descent from the graph's estimates; the summary goes on from what it holds.
   void solve(Graph& graph, bool again, const Options& options, const StopCondition& stop);
+  /// False, and the graph is as it was, if a gauge that an earlier call found may be to blame for the outcome.
+  bool attempt(Graph& graph, bool again, const Options& options, const StopCondition& stop);
 
   struct Compiled;
   Options options_;

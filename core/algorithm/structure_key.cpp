@@ -61,9 +61,17 @@ StructureKey::StructureKey(const Graph& graph, const Options& options, int threa
     const VertexType& type = graph.typeOf(vertex);
     if (type.dimension() == Dynamic) hash.add(static_cast<std::uint64_t>(type.dimension(vertex)));
   });
+  std::vector<std::int64_t> free = options.free;
+  std::sort(free.begin(), free.end());
+  const auto takesPart = [&](const Edge& edge) {
+    if (options.level >= 0 && edge.level() != options.level) return false;
+    return free.empty() || std::ranges::any_of(edge.vertexIds(), [&](std::int64_t id) {
+             return std::binary_search(free.begin(), free.end(), id);
+           });
+  };
   bool robust = false;  // what the algorithm and with it the gauge are chosen by
   graph.forEachEdge([&](const Edge& edge) {
-    robust = robust || edge.robustKernel();
+    robust = robust || (edge.robustKernel() && takesPart(edge));
     hash.add(static_cast<std::uint64_t>(edge.level()));
     const EdgeType& type = graph.typeOf(edge);
     const int rows = type.errorDimension(edge);

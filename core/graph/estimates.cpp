@@ -1,5 +1,6 @@
 #include <quiver/core/graph/estimates.h>
 
+#include <exception>
 #include <utility>
 
 #include <fmt/format.h>
@@ -36,6 +37,15 @@ void SavedEstimates::restore(Graph& graph) const {
     values += saved->count;
     ++saved;
   });
+}
+
+EstimatesGuard::~EstimatesGuard() {
+  if (graph_ == nullptr) return;
+  try {
+    saved_.restore(*graph_);
+  } catch (const std::exception&) {
+    // Vertices came or went: then there is nothing to go back to.
+  }
 }
 
 void copyEstimates(const Graph& from, Graph& to) {

@@ -26,6 +26,21 @@ class SavedEstimates {
   std::vector<double> values_;
 };
 
+/// Puts a graph's estimates back when it goes, unless they were kept: a guess that fails, with whatever exception,
+/// leaves them as they were. The graph must outlive it and keep its vertices.
+class EstimatesGuard {
+ public:
+  explicit EstimatesGuard(Graph& graph) : graph_(&graph), saved_(graph) {}
+  EstimatesGuard(const EstimatesGuard&) = delete;
+  EstimatesGuard& operator=(const EstimatesGuard&) = delete;
+  ~EstimatesGuard();
+  void keep() { graph_ = nullptr; }
+
+ private:
+  Graph* graph_;
+  SavedEstimates saved_;
+};
+
 /// Gives vertices of `to` the estimates that vertices of the same ids and classes have in `from`, whatever their
 /// registries. Throws GraphError if the estimates of two are of different run-time sizes.
 void copyEstimates(const Graph& from, Graph& to);

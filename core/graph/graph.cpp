@@ -97,9 +97,17 @@ Graph& Graph::operator=(const Graph& other) {
   if (this != &other) *this = Graph(other);
   return *this;
 }
-Graph::Graph(Graph&& other) noexcept : Graph(other.registry_) { *this = std::move(other); }
+Graph::Graph(Graph&& other) noexcept : Graph(other.registry_) { exchange(other); }
 Graph& Graph::operator=(Graph&& other) noexcept {
-  // Pools go before the registry that may own their code.
+  if (this == &other) return *this;
+  Graph before(registry_);  // goes with what was here
+  before.exchange(*this);
+  exchange(other);
+  return *this;
+}
+
+/// Also the registry, which may own the code of the pools.
+void Graph::exchange(Graph& other) noexcept {
   std::swap(changeFlag_, other.changeFlag_);
   std::swap(vertices_, other.vertices_);
   std::swap(edges_, other.edges_);
@@ -115,7 +123,6 @@ Graph& Graph::operator=(Graph&& other) noexcept {
   std::swap(registry_, other.registry_);
   stamp_ = Stamp();
   other.stamp_ = Stamp();
-  return *this;
 }
 Graph::~Graph() = default;
 
@@ -312,22 +319,29 @@ Vertex& Graph::checkedVertex(std::int64_t id, std::string_view cppName, std::siz
   return *vertex;
 }
 
-void Graph::removeVertex(std::int64_t id) {
-  const ElementLocation location = vertexIds_.find(id);
-  if (!location.valid()) throw GraphError(fmt::format("vertex {} does not exist", id));
+void Graph::removeVertices(std::span<const std::int64_t> ids) {
+  std::vector<std::int64_t> going(ids.begin(), ids.end());
+  std::sort(going.begin(), going.end());
+  going.erase(std::unique(going.begin(), going.end()), going.end());
+  for (const std::int64_t id : going) {
+    if (!vertexIds_.find(id).valid()) throw GraphError(fmt::format("vertex {} does not exist", id));
+  }
+  const auto goes = [&](std::int64_t id) { return std::binary_search(going.begin(), going.end(), id); };
   std::vector<Edge*> touching;
   forEachEdge([&](Edge& edge) {
-    const auto ids = edge.vertexIds();
-    if (std::find(ids.begin(), ids.end(), id) != ids.end()) touching.push_back(&edge);
+    if (std::ranges::any_of(edge.vertexIds(), goes)) touching.push_back(&edge);
   });
   for (Edge* edge : touching) removeEdge(*edge);
-  ElementPool<Vertex>& pool = *vertices_[static_cast<std::size_t>(location.type)];
-  Vertex& vertex = pool.at(location.slot);
-  attachments_.erase(&vertex);
-  pool.remove(location.slot);
-  vertex.id_ = -1;
-  ++stamp_.removals;
-  vertexIds_.erase(id);
+  for (const std::int64_t id : going) {
+    const ElementLocation location = vertexIds_.find(id);
+    ElementPool<Vertex>& pool = *vertices_[static_cast<std::size_t>(location.type)];
+    Vertex& vertex = pool.at(location.slot);
+    attachments_.erase(&vertex);
+    pool.remove(location.slot);
+    vertex.id_ = -1;
+    ++stamp_.removals;
+    vertexIds_.erase(id);
+  }
 }
 
 void Graph::removeEdge(Edge& edge) {

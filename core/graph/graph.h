@@ -121,8 +121,10 @@ class Graph {
     return *registry_->parameterTypes()[static_cast<std::size_t>(p.type())];
   }
 
-  /// Removes a vertex and every edge on it. O(edges) unless no edge is on it.
-  void removeVertex(std::int64_t id);
+  /// Removes a vertex and every edge on it. O(edges).
+  void removeVertex(std::int64_t id) { removeVertices({&id, 1}); }
+  /// Removes many at once, which costs as much as one; all or, if one is missing (GraphError), none. O(edges + ids).
+  void removeVertices(std::span<const std::int64_t> ids);
   void removeEdge(Edge& edge);
 
   std::int64_t vertexCount() const { return vertexIds_.size(); }
@@ -219,6 +221,7 @@ class Graph {
     }
   }
 
+  void exchange(Graph& other) noexcept;
   /// Throw GraphError if the type is not registered, or is another one of the same name.
   int vertexTypeIndex(std::string_view cppName, std::size_t size);
   int edgeTypeIndex(std::string_view cppName, std::size_t size) {

@@ -58,7 +58,7 @@ struct RobustKernelDCS : RobustKernel {
   explicit RobustKernelDCS(double width = 1.0) : RobustKernel(dcsKernel(), width) {}
 };
 /// Barron's general kernel, ρ = 2δ² |α−2|/α ((1 + e/(δ² |α−2|))^(α/2) − 1) with shape α: 2 is no kernel, 1
-/// pseudo-Huber, 0 Cauchy of width √2 δ, −2 Geman–McClure of width 4δ², −∞ Welsch of width √2 δ.
+/// pseudo-Huber, 0 Cauchy of width √2 δ, −2 Geman–McClure of width 4δ², towards −∞ Welsch of width √2 δ.
 struct RobustKernelBarron : RobustKernel {
   explicit RobustKernelBarron(double width = 1.0, double shape = 1.0) : RobustKernel(barronKernel(), width, shape) {}
 };

@@ -39,6 +39,11 @@ class DynamicBatch final : public EdgeBatch {
         records_.push_back(source.layout.offset(slot));
         counts_.push_back(source.layout.valueCount(slot));
       }
+      const EdgeShape one = shape(i);
+      largest_.rows = std::max(largest_.rows, one.rows);
+      largest_.columns.resize(std::max(largest_.columns.size(), one.columns.size()));
+      for (std::size_t k = 0; k < one.columns.size(); ++k)
+        largest_.columns[k] = std::max(largest_.columns[k], one.columns[k]);
     }
     refresh(source.graph, source.threads);
   }
@@ -59,17 +64,7 @@ class DynamicBatch final : public EdgeBatch {
       result.columns.push_back(dimensionAt(static_cast<int>(k), counts_[begin + k]));
     return result;
   }
-  EdgeShape largestShape() const override {
-    EdgeShape largest;
-    for (int i = 0; i < size(); ++i) {
-      const EdgeShape one = shape(i);
-      largest.rows = std::max(largest.rows, one.rows);
-      largest.columns.resize(std::max(largest.columns.size(), one.columns.size()));
-      for (std::size_t k = 0; k < one.columns.size(); ++k)
-        largest.columns[k] = std::max(largest.columns[k], one.columns[k]);
-    }
-    return largest;
-  }
+  EdgeShape largestShape() const override { return largest_; }
 
   void evaluate(const State& state, std::span<const std::int32_t> edges, const Panel& panel) const override {
     run(state, edges, panel, false);
@@ -299,6 +294,7 @@ class DynamicBatch final : public EdgeBatch {
 
   std::vector<std::int64_t> records_;
   std::vector<int> counts_;
+  EdgeShape largest_;
   std::vector<double> roots_;
   std::vector<std::size_t> rootBegin_;
   std::vector<double> parameters_;

@@ -144,7 +144,7 @@ Problem::SlotLists Problem::collectVertices(const ProblemScope& scope, const Edg
     std::sort(ids.begin(), ids.end());
     return ids;
   }();
-  std::vector<char> movable(vertices_.size(), 1);
+  movable_.assign(vertices_.size(), 1);
   for (std::size_t slot = 0; slot < vertices_.size(); ++slot) {
     const Vertex& vertex = *vertices_[slot];
     const VertexType& type = graph_->typeOf(vertex);
@@ -154,9 +154,9 @@ Problem::SlotLists Problem::collectVertices(const ProblemScope& scope, const Edg
     }
     layout_.append(type.valueCount(vertex));
     const bool chosen = free.empty() || std::binary_search(free.begin(), free.end(), vertex.id());
-    movable[slot] = chosen && !coversAll(vertex.fixedDirections(), type.dimension(vertex));
+    movable_[slot] = chosen && !coversAll(vertex.fixedDirections(), type.dimension(vertex));
   }
-  numberVariables(movable);
+  numberVariables(movable_);
 
   if (static_cast<std::int64_t>(vertices_.size()) != graph_->vertexCount()) {
     std::vector<const Vertex*> known(vertices_.begin(), vertices_.end());

@@ -64,6 +64,8 @@ class Problem {
   /// Holds directions of variables beside those that their vertices hold, before a linear system is analysed. A
   /// variable all of whose directions are held becomes a constant.
   void holdDirections(std::span<const HeldDirections> holds);
+  /// Takes back all that holdDirections held.
+  void releaseDirections() { numberVariables(movable_); }
 
   /// Variables of one type and dimension that are neighbours.
   struct Run {
@@ -129,6 +131,7 @@ class Problem {
   int evaluationThreads_ = 1;
   std::vector<Vertex*> vertices_;
   StateLayout layout_;
+  std::vector<char> movable_;  // by slot, before anything is held
   std::vector<int> slotVariables_;
   std::vector<int> variableSlots_;
   std::vector<int> dimensions_;

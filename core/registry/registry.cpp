@@ -42,6 +42,12 @@ const NamedEntry<Entry>* findNamed(const std::vector<NamedEntry<Entry>>& entries
   return nullptr;
 }
 
+/// Throws GraphError unless it can be named on a command line, and called.
+void checkEntry(std::string_view kind, std::string_view name, bool callable) {
+  if (!isWord(name)) throw GraphError(fmt::format("'{}' cannot name a {}: a name is one word", name, kind));
+  if (!callable) throw GraphError(fmt::format("{} '{}' has no function to call", kind, name));
+}
+
 template <typename Entry>
 const Entry* valueOf(const NamedEntry<Entry>* entry) {
   return entry ? &entry->value : nullptr;
@@ -79,9 +85,10 @@ Registry::~Registry() = default;
 
 void Registry::claimTag(const std::string& tag) const {
   const char first = isWord(tag) ? tag.front() : '#';
-  if (first == '#' || (first >= '0' && first <= '9') || tag == "FIX") {
-    throw GraphError(
-        fmt::format("'{}' cannot be a tag: a tag is one word, not FIX, not beginning with # or a digit", tag));
+  if (first == '#' || (first >= '0' && first <= '9') || tag == "FIX" || tag.find_first_of(",\"") != tag.npos) {
+    throw GraphError(fmt::format(
+        "'{}' cannot be a tag: a tag is one word without commas and quotes, not FIX, not beginning with # or a digit",
+        tag));
   }
   if (findVertexType(tag) || findEdgeType(tag) || findParameterType(tag) || isDataTag(tag)) {
     throw GraphError(fmt::format("tag '{}' is registered already", tag));
@@ -89,18 +96,21 @@ void Registry::claimTag(const std::string& tag) const {
 }
 
 const VertexType& Registry::add(std::unique_ptr<VertexType> type) {
+  if (!type) throw GraphError("there is no type to register");
   claimTag(type->tag());
   type->index_ = static_cast<int>(vertexTypes_.size());
   return Lookup::insert(lookup_->vertices, vertexTypes_, std::move(type));
 }
 
 const ParameterType& Registry::add(std::unique_ptr<ParameterType> type) {
+  if (!type) throw GraphError("there is no type to register");
   claimTag(type->tag());
   type->index_ = static_cast<int>(parameterTypes_.size());
   return Lookup::insert(lookup_->parameters, parameterTypes_, std::move(type));
 }
 
 const EdgeType& Registry::add(std::unique_ptr<EdgeType> type) {
+  if (!type) throw GraphError("there is no type to register");
   claimTag(type->tag());
   for (int role = 0; role < type->arity(); ++role) {
     if (!findVertexTypeByName(type->vertexTypeName(role))) {
@@ -159,16 +169,20 @@ const ParameterType* Registry::findParameterTypeByName(std::string_view name) co
 }
 
 void Registry::addLinearSystem(std::string name, std::string documentation, LinearSystemFactory factory) {
+  checkEntry("linear solver", name, static_cast<bool>(factory));
   if (findLinearSystem(name)) throw GraphError(fmt::format("linear solver '{}' is registered already", name));
   linearSystems_.push_back({std::move(name), std::move(documentation), std::move(factory)});
 }
 
 void Registry::addInitializer(std::string name, std::string documentation, Initializer initializer) {
-  if (findInitializer(name)) throw GraphError(fmt::format("initialiser '{}' is registered already", name));
+  checkEntry("initialiser", name, static_cast<bool>(initializer));
+  if (name == "file" || findInitializer(name))
+    throw GraphError(fmt::format("initialiser '{}' is registered already", name));
   initializers_.push_back({std::move(name), std::move(documentation), std::move(initializer)});
 }
 
 void Registry::addAlgorithm(std::string name, std::string documentation, Algorithm algorithm) {
+  checkEntry("algorithm", name, static_cast<bool>(algorithm.run));
   if (name == "auto" || findAlgorithm(name))
     throw GraphError(fmt::format("algorithm '{}' is registered already", name));
   algorithms_.push_back({std::move(name), std::move(documentation), std::move(algorithm)});

@@ -1,3 +1,4 @@
+#include <quiver/core/util/signals_blocked.h>
 #include <quiver/core/util/thread_pool.h>
 
 #include <algorithm>
@@ -62,6 +63,7 @@ void ThreadPool::startThreads(int count) {
   if (static_cast<int>(threads_.size()) >= count) return;
   // Asking for the number of cores reads a file, 6 µs: not in every loop.
   const std::size_t cores = std::thread::hardware_concurrency();
+  const SignalsBlocked blocked;
   while (static_cast<int>(threads_.size()) < count) {
     const auto number = static_cast<int>(threads_.size()) + 1;
     const bool ownCore = static_cast<std::size_t>(number) < cores;

@@ -1,5 +1,8 @@
 #include <quiver/solvers/backends/eigen_solver.h>
 
+#include <limits>
+
+#include <fmt/format.h>
 #include <Eigen/SparseCholesky>
 
 #include <quiver/core/util/error.h>
@@ -22,8 +25,12 @@ class EigenSolver final : public LinearSolver {
     matrix_.resizeNonZeros(static_cast<Eigen::Index>(columns_.rows().size()));
     std::copy(columns_.columns().begin(), columns_.columns().end(), matrix_.outerIndexPtr());
     std::copy(columns_.rows().begin(), columns_.rows().end(), matrix_.innerIndexPtr());
-    factor_.analyzePattern(matrix_);
     const FactorSize size = predictFactor(*pattern_, naturalOrdering(pattern_->blocks()).order);
+    if (size.nonzeros > std::numeric_limits<int>::max()) {
+      throw LogicError(fmt::format("a factor of {} scalars is too large for a solver with 32-bit indices; try block",
+                                   size.nonzeros));
+    }
+    factor_.analyzePattern(matrix_);
     statistics_ = {size.nonzeros, size.flops, 12 * (size.nonzeros + matrix_.nonZeros()), 0};
     factored_ = false;
   }

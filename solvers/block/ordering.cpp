@@ -10,6 +10,7 @@
 
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/one_at_a_time.h>
+#include <quiver/core/util/signals_blocked.h>
 #include <quiver/solvers/block/factor_pattern.h>
 
 namespace quiver {
@@ -58,6 +59,7 @@ constexpr int dissectionSeed = 2;
 /// METIS's default saves up to a tenth of the multiplications.
 constexpr int dissectionImbalance = 400;
 
+/// Empty if METIS fails.
 std::vector<int> dissection(const BlockGraph& graph, const BlockLayout& layout) {
   auto count = static_cast<idx_t>(graph.blocks());
   std::vector<idx_t> starts(graph.starts.begin(), graph.starts.end());
@@ -72,11 +74,13 @@ std::vector<int> dissection(const BlockGraph& graph, const BlockLayout& layout) 
   int result = METIS_ERROR;
   // METIS draws from the C library's one sequence of random numbers: two searches at a time would disturb each other.
   oneAtATime([&] {
+    // METIS catches SIGTERM for its own purposes while it runs, and would end with an error. Now it comes afterwards.
+    const SignalsBlocked blocked;
     result =
         METIS_NodeND(&count, starts.data(), neighbours.data(),
                      layout.uniformDimension() != 0 ? nullptr : weights.data(), options, order.data(), position.data());
   });
-  if (result != METIS_OK) throw LogicError("METIS_NodeND returned " + std::to_string(result));
+  if (result != METIS_OK) return {};
   return {order.begin(), order.end()};
 }
 #endif
@@ -101,7 +105,9 @@ bool hasMetis() { return true; }
 BlockOrdering metisOrdering(const BlockPattern& pattern) {
   const BlockGraph graph(pattern);
   if (graph.neighbours.empty()) return naturalOrdering(pattern.blocks());
-  return {postordered(graph, dissection(graph, pattern.layout())), "metis"};
+  const std::vector<int> order = dissection(graph, pattern.layout());
+  if (order.empty()) throw LogicError("METIS found no order");
+  return {postordered(graph, order), "metis"};
 }
 #else
 bool hasMetis() { return false; }
@@ -118,8 +124,10 @@ BlockOrdering chooseOrdering(const BlockPattern& pattern) {
   const bool worthTrying =
       amd.flops > minimumDissectionFlops && amd.flops > minimumDissectionIntensity * static_cast<double>(amd.nonzeros);
   if (worthTrying) {
-    std::vector<int> order = postordered(graph, dissection(graph, pattern.layout()));
-    if (predictFactor(graph, pattern.layout(), order).flops < amd.flops) best = {std::move(order), "metis"};
+    std::vector<int> order = dissection(graph, pattern.layout());
+    if (!order.empty()) order = postordered(graph, order);
+    if (!order.empty() && predictFactor(graph, pattern.layout(), order).flops < amd.flops)
+      best = {std::move(order), "metis"};
   }
 #endif
   return best;

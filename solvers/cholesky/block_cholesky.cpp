@@ -59,16 +59,20 @@ BlockCholesky::BlockCholesky(KernelLevel level) : kernels_(kernelTable(level)) {
 void BlockCholesky::analyze(std::shared_ptr<const BlockPattern> pattern, int threads) {
   factored_ = false;
   const bool same = pattern_ != nullptr && threads == threads_ && (pattern == pattern_ || *pattern == *pattern_);
-  pattern_ = std::move(pattern);
-  if (same) return;
-  threads_ = threads;
-  plan_ = FactorPlan(*pattern_, threads);
+  if (same) {
+    pattern_ = std::move(pattern);
+    return;
+  }
+  pattern_ = nullptr;  // unless all of this succeeds
+  plan_ = FactorPlan(*pattern, threads);
   reserve(values_, plan_.valueCount + 8);
-  reserve(inverse_, pattern_->layout().scalars());
+  reserve(inverse_, pattern->layout().scalars());
   reserve(arena_, plan_.arenaCount + 8);
-  columnCount_ = workspaceOf(plan_, *pattern_);
+  columnCount_ = workspaceOf(plan_, *pattern);
   reserve(workspace_, columnsTogether * columnCount_);
   failures_.assign(plan_.schedule.tasks.size(), {});
+  threads_ = threads;
+  pattern_ = std::move(pattern);
 }
 
 std::int64_t BlockCholesky::workspaceOf(const FactorPlan& plan, const BlockPattern& pattern) {

@@ -253,6 +253,41 @@ void appendInGroups(const std::vector<int>& parent, int first, int last, NodeTre
   }
 }
 
+/// The pieces before they are ordered, children before parents.
+struct Pieces {
+  std::vector<TreeNode> nodes;
+  std::vector<int> top;                   // supernode of each
+  std::vector<std::vector<int>> members;  // supernodes of each front
+};
+
+/// One piece for each leaf root and each front that is left.
+Pieces cutPieces(const std::vector<Supernode>& supernodes, const std::vector<int>& leafRoot,
+                 const std::vector<int>& representative) {
+  Pieces pieces;
+  std::vector<int> nodeOf(supernodes.size(), -1);
+  for (std::size_t s = 0; s < supernodes.size(); ++s) {
+    const bool survives =
+        leafRoot[s] >= 0 ? leafRoot[s] == static_cast<int>(s) : representative[s] == static_cast<int>(s);
+    if (!survives) continue;
+    nodeOf[s] = static_cast<int>(pieces.top.size());
+    pieces.top.push_back(static_cast<int>(s));
+  }
+  pieces.nodes.resize(pieces.top.size());
+  pieces.members.resize(pieces.top.size());
+  for (std::size_t s = 0; s < supernodes.size(); ++s) {
+    if (leafRoot[s] < 0) pieces.members[nodeOf[representative[s]]].push_back(static_cast<int>(s));
+  }
+  for (std::size_t k = 0; k < pieces.top.size(); ++k) {
+    const Supernode& from = supernodes[pieces.top[k]];
+    TreeNode& node = pieces.nodes[k];
+    node.leaf = leafRoot[pieces.top[k]] >= 0;
+    node.rows = static_cast<int>(from.rows);
+    node.parent = from.parent < 0 ? -1 : nodeOf[representative[from.parent]];
+    node.cost = node.leaf ? from.bestCost : frontNanoseconds(from.columns, from.rows);
+  }
+  return pieces;
+}
+
 }  // namespace
 
 NodeTree::NodeTree(const std::vector<int>& parent, const FactorPattern& factor, const std::vector<int>& dimensions) {
@@ -262,45 +297,23 @@ NodeTree::NodeTree(const std::vector<int>& parent, const FactorPattern& factor, 
   if (total > leastSharedNanoseconds) chooseLeaves(supernodes, factor, dimension, largestLeafShare * total);
   const std::vector<int> leafRoot = leafRoots(supernodes);
   const std::vector<int> representative = Amalgamation(supernodes, leafRoot).representatives();
-
-  // One unordered node for each leaf root and each front that is left, children before parents.
-  std::vector<int> nodeOf(supernodes.size(), -1);
-  std::vector<int> top;  // supernode of each node
-  for (std::size_t s = 0; s < supernodes.size(); ++s) {
-    const bool survives =
-        leafRoot[s] >= 0 ? leafRoot[s] == static_cast<int>(s) : representative[s] == static_cast<int>(s);
-    if (!survives) continue;
-    nodeOf[s] = static_cast<int>(top.size());
-    top.push_back(static_cast<int>(s));
-  }
-  std::vector<TreeNode> unordered(top.size());
-  std::vector<std::vector<int>> members(top.size());  // supernodes of each front
-  for (std::size_t s = 0; s < supernodes.size(); ++s) {
-    if (leafRoot[s] < 0) members[nodeOf[representative[s]]].push_back(static_cast<int>(s));
-  }
-  for (std::size_t k = 0; k < top.size(); ++k) {
-    const Supernode& node = supernodes[top[k]];
-    unordered[k].leaf = leafRoot[top[k]] >= 0;
-    unordered[k].rows = static_cast<int>(node.rows);
-    unordered[k].parent = node.parent < 0 ? -1 : nodeOf[representative[node.parent]];
-    unordered[k].cost = unordered[k].leaf ? node.bestCost : frontNanoseconds(node.columns, node.rows);
-  }
+  const Pieces pieces = cutPieces(supernodes, leafRoot, representative);
 
   std::vector<int> parents;
-  for (const TreeNode& node : unordered) parents.push_back(node.parent);
-  const std::vector<int> visited = postorder(parents, childWeights(unordered));
+  for (const TreeNode& node : pieces.nodes) parents.push_back(node.parent);
+  const std::vector<int> visited = postorder(parents, childWeights(pieces.nodes));
   std::vector<int> place(visited.size());
   for (std::size_t k = 0; k < visited.size(); ++k) place[visited[k]] = static_cast<int>(k);
   order.reserve(parent.size());
   for (const int k : visited) {
-    TreeNode node = unordered[k];
+    TreeNode node = pieces.nodes[k];
     node.parent = node.parent < 0 ? -1 : place[node.parent];
     node.firstBlock = static_cast<int>(order.size());
     const auto append = [&](int first, int last) {
       for (int j = first; j <= last; ++j) order.push_back(j);
     };
     if (node.leaf) {
-      const Supernode& root = supernodes[top[k]];
+      const Supernode& root = supernodes[pieces.top[k]];
       if (dimension <= largestGroupedDimension) {
         appendInGroups(parent, root.firstDescendant, root.last, *this);
       } else {
@@ -308,7 +321,7 @@ NodeTree::NodeTree(const std::vector<int>& parent, const FactorPattern& factor, 
         groups.resize(order.size(), 1);
       }
     }
-    for (const int s : members[k]) append(supernodes[s].first, supernodes[s].last);
+    for (const int s : pieces.members[k]) append(supernodes[s].first, supernodes[s].last);
     groups.resize(order.size(), 0);
     for (std::size_t i = node.firstBlock; i < order.size(); ++i) node.columns += dimensions[order[i]];
     node.lastBlock = static_cast<int>(order.size());

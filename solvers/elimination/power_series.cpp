@@ -20,17 +20,18 @@ LinearOutcome PowerSeries::solve(std::span<double> x, const Precondition& precon
   product_.resize(x.size());
   if (const SolverStatus status = precondition(x); !status.ok())
     return {.kind = LinearOutcome::Kind::notPositiveDefinite};
+  for (double& value : x) value /= limits_.divisor;
   term_.assign(x.begin(), x.end());
   while (outcome.iterations + 1 < limits_.terms) {
     if (stop.reached()) {
       outcome.kind = LinearOutcome::Kind::interrupted;
       return outcome;
     }
-    // term ← (I − U⁻¹ S) term
+    // term ← (I − M⁻¹ S) term
     multiply(term_, product_);
     (void)precondition(product_);
     for (std::size_t i = 0; i < x.size(); ++i) {
-      term_[i] -= product_[i];
+      term_[i] -= product_[i] / limits_.divisor;
       x[i] += term_[i];
     }
     ++outcome.iterations;

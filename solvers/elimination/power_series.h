@@ -9,10 +9,10 @@
 
 namespace quiver {
 
-/// The reduced system S x = s with S = U − W V⁻¹ Wᵀ by the series x = Σᵢ (U⁻¹ W V⁻¹ Wᵀ)ⁱ U⁻¹ s, given by products with
-/// S and the factored diagonal blocks U of the kept vertices. It converges whatever S is, since U⁻¹ S has no eigenvalue
-/// beyond (0, 1], and every partial sum is a step downhill; but slowly where damping is small. No scalar products, so
-/// it suits starts far from the optimum.
+/// The reduced system S x = s with S = U − W V⁻¹ Wᵀ by the series x = Σᵢ (I − M⁻¹ S)ⁱ M⁻¹ s, M = m D, given by products
+/// with S and the factored diagonal blocks D of U, the kept vertices' part. Where no edge joins more than m kept
+/// vertices, U ≤ m D, so M⁻¹ S has no eigenvalue beyond (0, 1]: the series converges, and every partial sum is a step
+/// downhill; but slowly where damping is small. No scalar products, so it suits starts far from the optimum.
 class PowerSeries {
  public:
   struct Limits {
@@ -20,6 +20,8 @@ class PowerSeries {
     double tolerance = 0.01;
     /// … or after so many terms.
     int terms = 20;
+    /// m: the most kept vertices that an edge joins.
+    double divisor = 1.0;
   };
   using Precondition = std::function<SolverStatus(std::span<double>)>;
   using Multiply = std::function<void(std::span<const double>, std::span<double>)>;

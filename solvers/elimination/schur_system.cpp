@@ -37,6 +37,20 @@ bool prefersProducts(const BlockPattern& pattern, const EliminationPlan& plan) {
          static_cast<double>(plan.rows().size()) * secondsPerRow;
 }
 
+int mostKeptOfAnEdge(const Problem& problem, const EliminationPlan& plan) {
+  int most = 1;
+  for (int b = 0; b < problem.batches(); ++b) {
+    for (int edge = 0; edge < problem.batch(b).size(); ++edge) {
+      const auto slots = problem.batch(b).slots(edge);
+      most = std::max(most, static_cast<int>(std::ranges::count_if(slots, [&](int slot) {
+                        const int variable = problem.variableOfSlot(slot);
+                        return variable >= 0 && plan.keptOf(variable) >= 0;
+                      })));
+    }
+  }
+  return most;
+}
+
 }  // namespace
 
 SchurSystem::SchurSystem(std::unique_ptr<LinearSolver> solver, std::optional<EliminationChoice> choice)
@@ -86,6 +100,7 @@ void SchurSystem::planReduced(const Options& options) {
       limits = {};
       limits.tolerance = std::max(limits.tolerance, options.linearTolerance);
     }
+    limits.divisor = mostKeptOfAnEdge(*problem_, elimination_);
     series_ = PowerSeries(limits);
     solver_ = makeBlockSolver();
   }
@@ -212,8 +227,7 @@ LinearOutcome SchurSystem::solve(std::span<const double> damping, std::span<doub
   LinearOutcome outcome;
   if (elimination_.kept() > 0) {
     outcome = solveReduced(delta, stop);
-    // The best iterate of conjugate gradients is a step to try all the same.
-    if (!outcome.ok() && outcome.kind != LinearOutcome::Kind::notConverged) return outcome;
+    if (!outcome.hasStep()) return outcome;
   }
   watch.lap();
   eliminator_.substitute(*state_, delta);

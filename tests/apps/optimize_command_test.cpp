@@ -123,6 +123,14 @@ TEST_F(OptimizeCommand, SavesTheBestEstimateWhenTimeIsUp) {
   EXPECT_TRUE(exists("out.g2o"));
 }
 
+TEST_F(OptimizeCommand, SavesTheFilesEstimateWhenTheInitialGuessIsStopped) {
+  write("in.g2o", square);
+  const Json report = optimize("in.g2o -o out.g2o --init chordal --time-limit 0", 5);
+  EXPECT_EQ(report["status"], "time_limit");
+  EXPECT_EQ(report["initial_guess"], "file");
+  EXPECT_TRUE(exists("out.g2o"));
+}
+
 TEST_F(OptimizeCommand, SavesTheBestEstimateWhenInterrupted) {
   ASSERT_EQ(run("simulate sphere -o in.g2o").exitCode, 0);
   // A slow solver: seconds of work, so that the signal comes in the middle.

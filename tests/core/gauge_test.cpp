@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <quiver/core/algorithm/optimizer.h>
 #include <quiver/plugins/builtin.h>
+#include <quiver/types_slam2d/edge_se2_prior.h>
 #include <quiver/types_slam3d/edge_se3.h>
 
 #include "ring_graph.h"
@@ -91,6 +92,20 @@ TEST(Gauge, ASingleVertexAmongFixedOnes) {
   }
   EXPECT_THAT(freedoms(graph), ElementsAre(0));
   EXPECT_EQ(optimize(graph).variables, 1);
+}
+
+/// The pivots of a pose whose direction nobody measures are not numbers, once scaled.
+TEST(Gauge, APoseWithPositionsAloneMayTurn) {
+  Graph graph(builtinRegistry());
+  graph.addVertex<VertexSE2>(0, SE2<double>(0.3, -0.2, 0.5));
+  for (int i = 0; i < 3; ++i) {
+    graph.addEdge<EdgePriorSE2XY>({0}, Vector<double, 2>(1.0 + 0.1 * i, 2.0 - 0.1 * i),
+                                  Matrix<double, 2, 2>::Identity());
+  }
+  EXPECT_THAT(freedoms(graph), ElementsAre(1));
+  const Summary summary = optimize(graph, {.algorithm = "gn"});
+  EXPECT_TRUE(summary.converged()) << summary.reason;
+  EXPECT_NEAR(graph.vertex<VertexSE2>(0).estimate().x(), 1.1, 1e-9);
 }
 
 TEST(Gauge, FarFromTheOriginItIsTheSame) {

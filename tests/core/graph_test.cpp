@@ -101,6 +101,29 @@ TEST(Graph, RemovesVerticesWithTheirEdges) {
   EXPECT_EQ(count, 1);
 }
 
+TEST(Graph, RemovesManyVerticesAtOnceOrNone) {
+  Graph graph = chain();
+  const std::vector<std::int64_t> wrong{0, 77}, right{2, 0, 2};
+  EXPECT_THROW(graph.removeVertices(wrong), GraphError);
+  EXPECT_EQ(graph.vertexCount(), 3);
+  EXPECT_EQ(graph.edgeCount(), 2);
+  graph.removeVertices(right);
+  EXPECT_EQ(graph.vertexCount(), 1);
+  EXPECT_EQ(graph.edgeCount(), 0);
+  EXPECT_NE(graph.findVertex(1), nullptr);
+}
+
+TEST(Graph, WhatIsMovedFromIsEmpty) {
+  Graph graph = chain(), target = chain();
+  target.removeVertex(1);
+  target = std::move(graph);
+  EXPECT_EQ(target.edgeCount(), 2);
+  EXPECT_EQ(graph.vertexCount(), 0);
+  EXPECT_EQ(graph.edgeCount(), 0);
+  graph.addVertex<VertexSE2>(5);
+  EXPECT_EQ(graph.vertexCount(), 1);
+}
+
 TEST(Graph, CopiesAreIndependentAndMovesKeepAddresses) {
   Graph graph = chain();
   const Vertex* address = graph.findVertex(1);

@@ -47,5 +47,16 @@ TEST(IterativeSolver, BeginsEveryDescentAnew) {
     EXPECT_EQ(again.iterations[i].linearIterations, fresh.iterations[i].linearIterations);
 }
 
+/// Where conjugate gradients stop at their limit they have a step all the same.
+TEST(IterativeSolver, TakesUnfinishedStepsWhileTheyLowerTheCost) {
+  Graph graph = chain(60);
+  const Summary summary =
+      optimize(graph, {.maxIterations = 3, .algorithm = "lm", .linearSolver = "pcg", .maxLinearIterations = 2});
+  ASSERT_FALSE(summary.iterations.empty());
+  EXPECT_TRUE(summary.iterations[0].accepted);
+  EXPECT_EQ(summary.iterations[0].linearIterations, 2);
+  EXPECT_LT(summary.finalCost, summary.initialCost);
+}
+
 }  // namespace
 }  // namespace quiver

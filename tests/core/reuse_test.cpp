@@ -7,6 +7,8 @@
 #include <quiver/core/graph/robust_kernels.h>
 #include <quiver/core/problem/problem.h>
 #include <quiver/core/util/error.h>
+#include <quiver/plugins/builtin.h>
+#include <quiver/types_slam2d/edge_se2_prior.h>
 
 #include "ring_graph.h"
 
@@ -104,6 +106,65 @@ TEST(Reuse, SeesWeightsThatMakeTheGauge) {
   firstEdge<EdgeSE2>(graph).setInformation(weight3(7.0));
   (void)optimizer.optimize(graph);
   EXPECT_FALSE(optimizer.reused());
+}
+
+/// Poses in a row with a prior of the given weight on one of them.
+Graph rowWithPrior(const Matrix<double, 3, 3>& weight) {
+  Graph graph(builtinRegistry());
+  for (int i = 0; i < 8; ++i) graph.addVertex<VertexSE2>(i, SE2<double>(i + 0.1 * (i % 3), 0.3 * (i % 2), 0.05));
+  for (int i = 0; i < 7; ++i) graph.addEdge<EdgeSE2>({i, i + 1}, SE2<double>(1.02, 0.03 * (i % 2), 0.01), weight3());
+  graph.addEdge<EdgeSE2>({0, 7}, SE2<double>(7.1, 0.1, 0.02), weight3());
+  graph.addEdge<EdgePriorSE2>({3}, SE2<double>(3.0, 1.0, 0.2), weight);
+  return graph;
+}
+
+void expectSameAsFresh(Optimizer& optimizer, Graph& graph) {
+  Graph twin(graph);
+  const Summary fresh = optimize(twin, optimizer.options());
+  const Summary& kept = optimizer.optimize(graph);
+  EXPECT_EQ(kept.status, fresh.status) << kept.reason << " instead of " << fresh.reason;
+  EXPECT_EQ(kept.gauge.reason, fresh.gauge.reason);
+  EXPECT_NEAR(kept.finalCost, fresh.finalCost, 1e-9 * (1.0 + fresh.finalCost));
+}
+
+TEST(Reuse, FindsTheGaugeOfInformationThatHasChanged) {
+  const Matrix<double, 3, 3> rankOne = Matrix<double, 3, 3>::Ones();
+  for (const char* algorithm : {"gn", "lm", "dogleg", "auto"}) {
+    Graph graph = rowWithPrior(weight3());
+    Optimizer optimizer({.algorithm = algorithm});
+    (void)optimizer.optimize(graph);
+    for (const Matrix<double, 3, 3>& weight : {rankOne, weight3(1e-18), weight3(), rankOne}) {
+      firstEdge<EdgePriorSE2>(graph).setInformation(weight);
+      graph.forEachVertex([](Vertex& vertex) {
+        static_cast<VertexSE2&>(vertex).setEstimate(SE2<double>(vertex.id(), 0.2 * (vertex.id() % 2), 0.05));
+      });
+      SCOPED_TRACE(algorithm);
+      expectSameAsFresh(optimizer, graph);
+    }
+  }
+}
+
+TEST(Reuse, DoubtsTheGaugeOfOtherEstimates) {
+  Graph graph(builtinRegistry());
+  for (int i = 0; i < 4; ++i) graph.addVertex<VertexSE2>(i, SE2<double>(i, 0.1 * i, 0.1));
+  for (int i = 0; i < 3; ++i) graph.addEdge<EdgeSE2>({i, i + 1}, SE2<double>(1.0, 0.05, 0.05), weight3());
+  for (const int i : {0, 3}) graph.addEdge<EdgePriorSE2XY>({i}, Vector<double, 2>(i, 0.3 * i), weight2());
+  Optimizer optimizer({.algorithm = "gn"});
+  (void)optimizer.optimize(graph);
+  // On one spot, the world may turn about it.
+  for (int i = 0; i < 4; ++i) graph.vertex<VertexSE2>(i).setEstimate(SE2<double>());
+  expectSameAsFresh(optimizer, graph);
+}
+
+TEST(Reuse, IgnoresKernelsThatTakeNoPart) {
+  Graph graph = rowWithPrior(weight3(0.0));
+  Edge& idle = graph.addEdge<EdgeSE2>({0, 5}, SE2<double>(5.0, 0.0, 0.0), weight3());
+  idle.setLevel(1);
+  idle.setRobustKernel(RobustKernelHuber(1.0));
+  Optimizer optimizer({.level = 0});
+  (void)optimizer.optimize(graph);
+  graph.forEachEdge([](Edge& edge) { edge.setRobustKernel(RobustKernelHuber(1.0)); });
+  expectSameAsFresh(optimizer, graph);
 }
 
 TEST(Reuse, ForgetsWhatCouldNotBeCompiled) {

@@ -21,6 +21,7 @@ struct Arrow {
   Eigen::MatrixXd U;
   Eigen::MatrixXd S;
 
+  Arrow() = default;
   /// H = JᵀJ + D with a diagonal of blocks to eliminate.
   explicit Arrow(std::mt19937& random, double damping) {
     constexpr int kept = 12, points = 30;
@@ -80,6 +81,25 @@ TEST(PowerSeries, EveryTermBringsItNearer) {
     EXPECT_LT(error, before);
     before = error;
   }
+}
+
+/// Edges that join three kept vertices: against the diagonal blocks alone the series would diverge.
+TEST(PowerSeries, ConvergesWhereEdgesJoinSeveralKeptVertices) {
+  constexpr int kept = 6;
+  Arrow arrow;
+  arrow.U = 0.3 * Eigen::MatrixXd::Identity(kept, kept);
+  for (int i = 0; i < kept; ++i) {
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(kept);
+    for (int k = 0; k < 3; ++k) row[(i + k) % kept] = 1.0;
+    arrow.U += row * row.transpose();
+  }
+  arrow.S = arrow.U;
+  arrow.U = Eigen::MatrixXd(arrow.U.diagonal().asDiagonal());
+  const Eigen::VectorXd s = Eigen::VectorXd::Random(kept);
+  Eigen::VectorXd x = s;
+  ASSERT_TRUE(arrow.solve(PowerSeries({seriesTolerance, 3000, 3.0}), x).ok());
+  const Eigen::VectorXd exact = arrow.S.llt().solve(s);
+  EXPECT_LE((x - exact).norm(), solutionTolerance * exact.norm());
 }
 
 TEST(PowerSolver, SolvesWhatIsWellConditioned) {

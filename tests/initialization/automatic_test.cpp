@@ -50,5 +50,39 @@ TEST(AutomaticStart, looksForABetterStartBeyondTheNoise) {
   EXPECT_EQ(start.name, "chordal") << start.reason;
 }
 
+/// A position seen from a pose, whose initial estimate fails as no library would.
+class EdgeThrowing : public BaseEdge<EdgeThrowing, 2, Vector<double, 2>, VertexSE2, VertexXY> {
+ public:
+  template <typename S>
+  static Vector<S, 2> computeError(const Vector<S, 2>& z, const SE2<S>& pose, const Vector<S, 2>& point) {
+    return pose.actInverse(point) - z;
+  }
+  static bool initialEstimate(int, const Vector<double, 2>&, SE2<double>&, Vector<double, 2>&) {
+    throw std::runtime_error("no luck");
+  }
+};
+
+TEST(AutomaticStart, whatAGuessThrowsCostsNoEstimate) {
+  Graph loop = squareLoop(0.5);
+  auto registry = builtinRegistry();
+  registry->addEdge<EdgeThrowing>("EDGE_THROWING");
+  Graph graph(registry);
+  loop.forEachVertex([&](const Vertex& vertex) {
+    graph.addVertex<VertexSE2>(vertex.id(), static_cast<const VertexSE2&>(vertex).estimate());
+  });
+  loop.forEachEdge([&](const Edge& edge) {
+    const auto& typed = static_cast<const EdgeSE2&>(edge);
+    graph.addEdge<EdgeSE2>(edge.vertexIds(), typed.measurement(), typed.information());
+  });
+  graph.findVertex(0)->setFixed(true);
+  graph.addVertex<VertexXY>(100, Vector<double, 2>(5.0, 6.0));
+  graph.addEdge<EdgeThrowing>({3, 100}, Vector<double, 2>(1.0, 1.0), Matrix<double, 2, 2>::Identity());
+  EXPECT_THROW((void)automaticStart(graph), std::runtime_error);
+  EXPECT_EQ(graph.vertex<VertexXY>(100).estimate(), (Vector<double, 2>(5.0, 6.0)));
+  EXPECT_TRUE(graph.findVertex(100)->hasEstimate());
+  for (int i = 0; i < 16; ++i)
+    EXPECT_EQ(graph.vertex<VertexSE2>(i).estimate().x(), loop.vertex<VertexSE2>(i).estimate().x()) << i;
+}
+
 }  // namespace
 }  // namespace quiver::test

@@ -338,5 +338,27 @@ TEST(Marginals, OfNothingAreNothing) {
   EXPECT_THAT(marginals.vertices(), testing::IsEmpty());
 }
 
+TEST(Marginals, HoldWhatFixedVerticesLeaveFreeIfAskedTo) {
+  // The world may turn about a point.
+  Graph point = walk(12, false);
+  point.addVertex<VertexXY>(5000, Vector<double, 2>(0.0, 0.0)).setFixed(true);
+  point.addEdge<EdgeSE2XY>({0, 5000}, Vector<double, 2>(1.0, 0.0), Matrix<double, 2, 2>::Identity());
+  EXPECT_FALSE(Marginals(point, {}).ok());
+  const Marginals held(point, {.gauge = GaugePolicy::fix});
+  EXPECT_TRUE(held.ok()) << held.reason();
+  EXPECT_EQ(held.gauge().fixed.size(), 1u);
+}
+
+TEST(Marginals, SayThatTheyWereStopped) {
+  Graph graph = walk(12, true);
+  const Marginals stopped(graph, {.timeLimit = 0.0});
+  EXPECT_TRUE(stopped.stopped());
+  EXPECT_THAT(stopped.reason(), ::testing::HasSubstr("time limit"));
+  std::stop_source source;
+  source.request_stop();
+  EXPECT_THAT(Marginals(graph, {.stopToken = source.get_token()}).reason(), ::testing::HasSubstr("interrupted"));
+  EXPECT_FALSE(Marginals(graph).stopped());
+}
+
 }  // namespace
 }  // namespace quiver::test

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <csignal>
 #include <numeric>
+#include <thread>
 
 #include <quiver/solvers/block/factor_pattern.h>
 #include <tests/solvers/random_system.h>
@@ -146,6 +149,26 @@ TEST(EliminationTree, postorderVisitsLightChildrenFirst) {
   EXPECT_EQ(postorder(parent), (std::vector<int>{3, 0, 1, 2, 4, 5}));
   const std::vector<double> weight{3.0, 1.0, 2.0, 9.0, 0.0, 0.0};
   EXPECT_EQ(postorder(parent, weight), (std::vector<int>{1, 2, 0, 4, 3, 5}));
+}
+
+volatile std::sig_atomic_t terminations = 0;
+
+/// METIS catches SIGTERM while it runs; the program's own handler must be called all the same.
+TEST(Ordering, aTerminationReachesItsHandler) {
+  if (!hasMetis()) GTEST_SKIP() << "a build without METIS";
+  std::mt19937 random(6);
+  const BlockPattern pattern = randomPattern(Shape::grid, 40000, random);
+  auto* const before = std::signal(SIGTERM, [](int) { terminations = terminations + 1; });
+  // To the thread that orders: those of other libraries are not ours to keep from it.
+  std::thread sender([orders = pthread_self()] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    pthread_kill(orders, SIGTERM);
+  });
+  const BlockOrdering ordering = metisOrdering(pattern);
+  sender.join();
+  std::signal(SIGTERM, before);
+  EXPECT_EQ(terminations, 1);
+  EXPECT_TRUE(isPermutation(ordering.order));
 }
 
 }  // namespace

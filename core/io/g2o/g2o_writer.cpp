@@ -69,9 +69,10 @@ class ElementWriter final : public FieldWriter {
       const std::string word =
           begin == std::string::npos ? "" : line.substr(begin, line.find_first_of(" \t\r", begin) - begin);
       const Registry& registry = *graph_.registry();
-      if (word == "FIX" || registry.findVertexType(word) || registry.findEdgeType(word) ||
+      if (word == "FIX" || word == "#quiver" || registry.findVertexType(word) || registry.findEdgeType(word) ||
           registry.findParameterType(word))
-        throw GraphError(fmt::format("the attached line '{}' would be read as an element", line));
+        throw GraphError(
+            fmt::format("the attached line '{}' would be read as an element, or as what quiver says of one", line));
       out_.text(line);
       out_.character('\n');
     }

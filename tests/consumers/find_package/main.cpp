@@ -3,9 +3,11 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <vector>
 
 #include <quiver/core/algorithm/optimizer.h>
 #include <quiver/core/registry/registry.h>
+#include <quiver/smoothing/marginals.h>
 #include <quiver/solvers/normal_equations.h>
 #include <quiver/version.h>
 
@@ -58,8 +60,14 @@ int main() {
   graph.vertex<VertexState>(0).setFixed(true);
   const Summary summary = optimize(graph);
 
+  // Matrices of run-time size are made here, whatever the library's flags are.
+  const Marginals marginals(graph);
+  const double last = marginals.covariance(count - 1).trace();
+  const double both = marginals.joint(std::vector<std::int64_t>{1, count - 1}).bottomRightCorner(4, 4).trace();
+
   const double difference = (graph.vertex<VertexState>(count - 1).estimate() - stride * count).norm();
   std::printf("quiver %s: %s\nfinal chi2 %.3g, off by %.3g\n", QUIVER_VERSION, summary.reason.c_str(),
               summary.finalChi2, difference);
-  return summary.status == Status::converged && summary.finalChi2 < 1e-9 && difference < 1e-6 ? 0 : 1;
+  const bool known = last > 0.0 && std::abs(both - last) <= 1e-9 * last;
+  return summary.status == Status::converged && summary.finalChi2 < 1e-9 && difference < 1e-6 && known ? 0 : 1;
 }
