@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
@@ -18,33 +19,21 @@ constexpr int mostRoles = 64;
 
 }  // namespace
 
-EstimateTree::EstimateTree(Graph& graph, const Options& options, Length length)
-    : graph_(graph), level_(options.level), length_(length) {
+EstimateTree::EstimateTree(Graph& graph, const Options& options, Length length) : graph_(graph), length_(length) {
   std::vector<std::int64_t> free = options.free;
   std::sort(free.begin(), free.end());
-  collectEdges();
-  collectVertices(free);
-  linkEdges();
+  std::vector<const Edge*> edges = Incidence::canonicalEdges(graph, options.level);
+  collectVertices(edges, free);
+  incidence_ = Incidence(std::move(edges), vertices_);
+  for (int edge = 0; edge < incidence_.edges(); ++edge) unknown_.push_back(incidence_.edge(edge).arity());
   findComponents();
   known_.assign(vertices_.size(), 0);
   distance_.assign(vertices_.size(), 0.0);
   depth_.assign(vertices_.size(), 0);
 }
 
-void EstimateTree::collectEdges() {
-  std::vector<std::vector<const Edge*>> byType(graph_.registry()->edgeTypes().size());
-  std::as_const(graph_).forEachEdge([&](const Edge& edge) {
-    if (level_ < 0 || edge.level() == level_) byType[static_cast<std::size_t>(edge.type())].push_back(&edge);
-  });
-  for (const int type : edgeTypeOrder(*graph_.registry())) {
-    auto& list = byType[static_cast<std::size_t>(type)];
-    sortEdges(graph_, list);
-    edges_.insert(edges_.end(), list.begin(), list.end());
-  }
-}
-
-void EstimateTree::collectVertices(const std::vector<std::int64_t>& free) {
-  for (const Edge* edge : edges_) {
+void EstimateTree::collectVertices(const std::vector<const Edge*>& edges, const std::vector<std::int64_t>& free) {
+  for (const Edge* edge : edges) {
     for (const std::int64_t id : edge->vertexIds()) vertices_.push_back(graph_.findVertex(id));
   }
   sortVertices(graph_, vertices_);
@@ -52,27 +41,6 @@ void EstimateTree::collectVertices(const std::vector<std::int64_t>& free) {
   for (const Vertex* vertex : vertices_) {
     const bool chosen = free.empty() || std::binary_search(free.begin(), free.end(), vertex->id());
     held_.push_back(!chosen || vertex->fixedDirections() != 0);
-  }
-}
-
-void EstimateTree::linkEdges() {
-  const SlotTable places(vertices_);
-  endsBegin_.assign(1, 0);
-  touchingBegin_.assign(vertices_.size() + 1, 0);
-  for (const Edge* edge : edges_) {
-    for (const std::int64_t id : edge->vertexIds()) {
-      ends_.push_back(places.find(id));
-      ++touchingBegin_[static_cast<std::size_t>(ends_.back()) + 1];
-    }
-    endsBegin_.push_back(static_cast<std::int64_t>(ends_.size()));
-    unknown_.push_back(edge->arity());
-  }
-  std::partial_sum(touchingBegin_.begin(), touchingBegin_.end(), touchingBegin_.begin());
-  std::vector<std::int64_t> next(touchingBegin_.begin(), touchingBegin_.end() - 1);
-  touching_.resize(ends_.size());
-  for (int edge = 0; edge < static_cast<int>(edges_.size()); ++edge) {
-    for (const std::int32_t vertex : verticesOf(edge))
-      touching_[static_cast<std::size_t>(next[static_cast<std::size_t>(vertex)]++)] = edge;
   }
 }
 
@@ -87,8 +55,8 @@ void EstimateTree::findComponents() {
     }
     return v;
   };
-  for (int edge = 0; edge < static_cast<int>(edges_.size()); ++edge) {
-    const auto ends = verticesOf(edge);
+  for (int edge = 0; edge < incidence_.edges(); ++edge) {
+    const auto ends = incidence_.verticesOf(edge);
     for (const std::int32_t vertex : ends) parent[static_cast<std::size_t>(find(vertex))] = find(ends[0]);
   }
   for (std::int32_t v = 0; v < static_cast<std::int32_t>(vertices_.size()); ++v) componentOf_.push_back(find(v));
@@ -108,10 +76,10 @@ void EstimateTree::offer(const Candidate& candidate) {
 }
 
 bool EstimateTree::isFullPrior(int edge) const {
-  const Edge& prior = *edges_[static_cast<std::size_t>(edge)];
+  const Edge& prior = incidence_.edge(edge);
   if (prior.arity() != 1) return false;
   const EdgeType& type = graph_.typeOf(prior);
-  const Vertex& vertex = *vertices_[static_cast<std::size_t>(verticesOf(edge)[0])];
+  const Vertex& vertex = *vertices_[static_cast<std::size_t>(incidence_.verticesOf(edge)[0])];
   const int n = type.errorDimension(prior);
   if (n < graph_.typeOf(vertex).dimension(vertex)) return false;
   const std::span<const double> triangle = type.information(prior);
@@ -128,10 +96,10 @@ void EstimateTree::seed() {
   for (int v = 0; v < static_cast<int>(vertices_.size()); ++v) {
     if (held_[static_cast<std::size_t>(v)] && vertices_[static_cast<std::size_t>(v)]->hasEstimate()) plant(v);
   }
-  for (int edge = 0; edge < static_cast<int>(edges_.size()); ++edge) {
+  for (int edge = 0; edge < incidence_.edges(); ++edge) {
     if (!isFullPrior(edge)) continue;
-    const Edge& prior = *edges_[static_cast<std::size_t>(edge)];
-    offer({length_(graph_.typeOf(prior), prior), 1, verticesOf(edge)[0], edge});
+    const Edge& prior = incidence_.edge(edge);
+    offer({length_(graph_.typeOf(prior), prior), 1, incidence_.verticesOf(edge)[0], edge});
   }
 }
 
@@ -154,11 +122,10 @@ void EstimateTree::settle(const Candidate& candidate) {
   known_[v] = 1;
   distance_[v] = candidate.distance;
   depth_[v] = candidate.edges;
-  for (std::int64_t i = touchingBegin_[v]; i < touchingBegin_[v + 1]; ++i) {
-    const int edge = touching_[static_cast<std::size_t>(i)];
+  for (const std::int32_t edge : incidence_.edgesOf(candidate.vertex)) {
     if (--unknown_[static_cast<std::size_t>(edge)] != 1) continue;
     Candidate next{0.0, 0, -1, edge};
-    for (const std::int32_t end : verticesOf(edge)) {
+    for (const std::int32_t end : incidence_.verticesOf(edge)) {
       if (!known_[static_cast<std::size_t>(end)]) {
         next.vertex = end;
         continue;
@@ -166,18 +133,18 @@ void EstimateTree::settle(const Candidate& candidate) {
       next.distance = std::max(next.distance, distance_[static_cast<std::size_t>(end)]);
       next.edges = std::max(next.edges, depth_[static_cast<std::size_t>(end)] + 1);
     }
-    const Edge& along = *edges_[static_cast<std::size_t>(edge)];
+    const Edge& along = incidence_.edge(edge);
     next.distance += length_(graph_.typeOf(along), along);
     offer(next);
   }
 }
 
 bool EstimateTree::tell(const Candidate& candidate) {
-  const Edge& edge = *edges_[static_cast<std::size_t>(candidate.edge)];
+  const Edge& edge = incidence_.edge(candidate.edge);
   if (edge.arity() > mostRoles) return false;
   std::uint64_t known = 0;
   int to = 0;
-  const auto ends = verticesOf(candidate.edge);
+  const auto ends = incidence_.verticesOf(candidate.edge);
   for (int role = 0; role < edge.arity(); ++role) {
     if (ends[static_cast<std::size_t>(role)] == candidate.vertex) {
       to = role;

@@ -7,6 +7,7 @@
 
 #include <quiver/core/algorithm/options.h>
 #include <quiver/core/graph/graph.h>
+#include <quiver/initialization/incidence.h>
 
 namespace quiver::detail {
 
@@ -32,9 +33,7 @@ class EstimateTree {
     std::int32_t edge;
   };
 
-  void collectEdges();
-  void collectVertices(const std::vector<std::int64_t>& free);
-  void linkEdges();
+  void collectVertices(const std::vector<const Edge*>& edges, const std::vector<std::int64_t>& free);
   void findComponents();
   bool isFullPrior(int edge) const;
   void seed();
@@ -48,21 +47,11 @@ class EstimateTree {
   void checkAllKnown() const;
   bool later(const Candidate& a, const Candidate& b) const;
 
-  std::span<const std::int32_t> verticesOf(int edge) const {
-    return {ends_.data() + endsBegin_[static_cast<std::size_t>(edge)],
-            ends_.data() + endsBegin_[static_cast<std::size_t>(edge) + 1]};
-  }
-
   Graph& graph_;
-  int level_;
   Length length_;
-  std::vector<const Edge*> edges_;  // in canonical order
-  std::vector<Vertex*> vertices_;   // in canonical order
+  std::vector<Vertex*> vertices_;  // in canonical order
   std::vector<char> held_;
-  std::vector<std::int32_t> ends_;
-  std::vector<std::int64_t> endsBegin_;
-  std::vector<std::int32_t> touching_;  // edges of each vertex
-  std::vector<std::int64_t> touchingBegin_;
+  Incidence incidence_;
   std::vector<std::int32_t> componentOf_;
   std::vector<char> rooted_;  // by component
 

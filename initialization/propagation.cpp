@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <functional>
-#include <numeric>
 #include <queue>
 #include <span>
 
 #include <fmt/format.h>
 
-#include <quiver/core/problem/canonical_order.h>
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/stop_condition.h>
+#include <quiver/initialization/incidence.h>
 
 namespace quiver {
 namespace {
@@ -22,14 +21,14 @@ class Propagation {
   Propagation(Graph& graph, const Options& options)
       : graph_(graph), stop_(options.timeLimit, options.stopToken), free_(options.free) {
     std::sort(free_.begin(), free_.end());
-    collectEdges(options.level);
     graph.forEachVertex([&](Vertex& vertex) { vertices_.push_back(&vertex); });
+    incidence_ = detail::Incidence(detail::Incidence::canonicalEdges(graph, options.level), vertices_);
   }
 
   /// The number of vertices that edges told.
   std::int64_t run() {
     forget();
-    linkEdges();
+    countUnknown();
     tellAll();
     // Types that no edge tells, as intrinsics, keep what they had, and others may be told from there.
     std::vector<char> told(graph_.registry()->vertexTypes().size(), 0);
@@ -52,21 +51,6 @@ class Propagation {
   using Queue = std::priority_queue<int, std::vector<int>, std::greater<>>;
 
   static std::size_t at(int index) { return static_cast<std::size_t>(index); }
-  std::span<const std::int32_t> endsOf(int edge) const {
-    return {ends_.data() + endsBegin_[at(edge)], ends_.data() + endsBegin_[at(edge) + 1]};
-  }
-
-  void collectEdges(int level) {
-    std::vector<std::vector<const Edge*>> byType(graph_.registry()->edgeTypes().size());
-    std::as_const(graph_).forEachEdge([&](const Edge& edge) {
-      if (level < 0 || edge.level() == level) byType[at(edge.type())].push_back(&edge);
-    });
-    for (const int type : edgeTypeOrder(*graph_.registry())) {
-      sortEdges(graph_, byType[at(type)]);
-      edges_.insert(edges_.end(), byType[at(type)].begin(), byType[at(type)].end());
-    }
-  }
-
   /// Takes what is to be told for unknown.
   void forget() {
     for (int i = 0; i < static_cast<int>(vertices_.size()); ++i) {
@@ -82,26 +66,11 @@ class Propagation {
     }
   }
 
-  void linkEdges() {
-    const SlotTable places(vertices_);
-    endsBegin_.assign(1, 0);
-    touchingBegin_.assign(vertices_.size() + 1, 0);
-    for (const Edge* edge : edges_) {
-      int unknown = 0;
-      for (const std::int64_t id : edge->vertexIds()) {
-        ends_.push_back(places.find(id));
-        ++touchingBegin_[at(ends_.back()) + 1];
-        unknown += known_[at(ends_.back())] ? 0 : 1;
-      }
-      endsBegin_.push_back(static_cast<std::int64_t>(ends_.size()));
-      unknown_.push_back(unknown);
-      if (unknown == 1) now_.push(static_cast<int>(unknown_.size()) - 1);
-    }
-    std::partial_sum(touchingBegin_.begin(), touchingBegin_.end(), touchingBegin_.begin());
-    std::vector<std::int64_t> next(touchingBegin_.begin(), touchingBegin_.end() - 1);
-    touching_.resize(ends_.size());
-    for (int edge = 0; edge < static_cast<int>(edges_.size()); ++edge) {
-      for (const std::int32_t end : endsOf(edge)) touching_[static_cast<std::size_t>(next[at(end)]++)] = edge;
+  void countUnknown() {
+    for (int edge = 0; edge < incidence_.edges(); ++edge) {
+      const auto ends = incidence_.verticesOf(edge);
+      unknown_.push_back(static_cast<int>(std::ranges::count_if(ends, [&](int end) { return !known_[at(end)]; })));
+      if (unknown_.back() == 1) now_.push(edge);
     }
   }
 
@@ -117,8 +86,8 @@ class Propagation {
   }
 
   void tell(int index) {
-    const Edge& edge = *edges_[at(index)];
-    const std::span<const std::int32_t> ends = endsOf(index);
+    const Edge& edge = incidence_.edge(index);
+    const std::span<const std::int32_t> ends = incidence_.verticesOf(index);
     std::uint64_t known = 0;
     int to = 0;
     for (int role = 0; role < edge.arity(); ++role) {
@@ -136,8 +105,7 @@ class Propagation {
   /// A vertex has become known by an edge, or −1: edges behind that one get their turn at once, others in the next.
   void settle(int vertex, int by) {
     known_[at(vertex)] = 1;
-    for (std::int64_t i = touchingBegin_[at(vertex)]; i < touchingBegin_[at(vertex) + 1]; ++i) {
-      const int edge = touching_[static_cast<std::size_t>(i)];
+    for (const std::int32_t edge : incidence_.edgesOf(vertex)) {
       if (--unknown_[at(edge)] == 1) (edge > by ? now_ : later_).push(edge);
     }
   }
@@ -145,15 +113,11 @@ class Propagation {
   Graph& graph_;
   StopCondition stop_;
   std::vector<std::int64_t> free_;
-  std::vector<const Edge*> edges_;  // in canonical order
   std::vector<Vertex*> vertices_;
+  detail::Incidence incidence_;
   std::vector<char> had_;  // an estimate before
   std::vector<char> known_;
-  std::vector<int> unset_;  // vertices to be told
-  std::vector<std::int32_t> ends_;
-  std::vector<std::int64_t> endsBegin_;
-  std::vector<std::int32_t> touching_;  // edges of each vertex
-  std::vector<std::int64_t> touchingBegin_;
+  std::vector<int> unset_;    // vertices to be told
   std::vector<int> unknown_;  // vertices of each edge
   Queue now_;
   Queue later_;

@@ -156,7 +156,8 @@ void addRobustFlags(CLI::App& command, OptimizeFlags& flags) {
                                                                    {"second", RobustCorrection::second}};
   command
       .add_option("--robust-correction", flags.robustCorrection,
-                  "How kernels enter the normal equations: by their weight, or by their curvature too (Triggs)")
+                  "How kernels enter the normal equations: by their weight, or by their curvature too (Triggs), where "
+                  "that leaves them positive")
       ->type_name("first|second")
       ->transform(wordOf(corrections))
       ->default_str("first");
