@@ -44,5 +44,24 @@ TEST(Allocation, NorWithKernelsOrOneVariable) {
   expectNoAllocation(single, "auto", GaugePolicy::automatic);
 }
 
+/// Allocations of building a pose that positions and poses tell of, and of optimising it.
+int allocationsOfOnePose(int edges) {
+  const auto registry = makeRegistry();
+  allocations = 0;
+  countAllocations = true;
+  Graph graph(registry);
+  graph.addVertex<VertexSE2>(0, SE2<double>(0.1, 0.0, 0.0));
+  graph.addVertex<VertexPoint>(1, Vector<double, 2>(5.0, 2.0)).setFixed(true);
+  for (int i = 0; i < edges; ++i) graph.addEdge<EdgeRangeAnalyticLanes>({0, 1}, 5.0 + 0.001 * i, weight(1.0));
+  (void)optimize(graph, {.maxIterations = 5, .algorithm = "lm", .threads = 1});
+  countAllocations = false;
+  return allocations;
+}
+
+TEST(Allocation, BuildingAndSolvingAllocatesByNoEdge) {
+  // Lists that grow by doubling, chunks of 256 edges, but nothing for each edge.
+  EXPECT_LE(allocationsOfOnePose(1200), allocationsOfOnePose(300) + 30);
+}
+
 }  // namespace
 }  // namespace quiver
