@@ -79,6 +79,7 @@ void addWorld(CLI::App& simulateCommand, WorldKind kind, const char* name, const
       ->capture_default_str();
   command->add_option("--side", flags->world.side, "Side of the world in metres; 0: from the number of poses")
       ->type_name("M")
+      ->check(numberFrom(0))
       ->capture_default_str();
   if (kind == WorldKind::landmarks2d || kind == WorldKind::landmarks3d)
     command->add_option("--landmarks", flags->world.landmarks, "Number of landmarks in the world")

@@ -114,6 +114,7 @@ TEST_F(Surroundings, UsageErrorsSayWhatWouldDo) {
         Wrong{"--information 1", "--information: '1' is none of check, clamp"},
         Wrong{"--unknown 1", "--unknown: '1' is none of error, keep, skip"},
         Wrong{"--time-limit -1", "--time-limit: '-1' is no number of at least 0"},
+        Wrong{"--time-limit 0x10", "--time-limit: '0x10' is no number of at least 0"},
         Wrong{"--time-limit nan", "--time-limit: 'nan' is no number of at least 0"},
         Wrong{"--time-limit inf", "--time-limit: 'inf' is no number of at least 0"},
         Wrong{"--fix a", "--fix: 'a' is no id of a vertex"},

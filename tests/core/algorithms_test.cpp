@@ -41,6 +41,13 @@ TEST(Algorithms, OfTheLibraryAreRegisteredOnce) {
   EXPECT_THAT(algorithmNames(*registry), ElementsAre("auto", "gn", "lm", "dogleg"));
   EXPECT_THROW(registerAlgorithms(*registry), GraphError);
   EXPECT_THROW(registry->addAlgorithm("auto", "", {plainSteps, false}), GraphError);
+  EXPECT_THROW(registry->addAlgorithm("two words", "", {plainSteps, false}), GraphError);
+  EXPECT_THROW(registry->addAlgorithm("empty", "", {}), GraphError);
+  EXPECT_THROW(registry->addInitializer("empty", "", {}), GraphError);
+  EXPECT_THROW(registry->addInitializer("file", "", [](Graph&, const Options&) { return std::string(); }), GraphError);
+  EXPECT_THROW(registry->addLinearSystem("empty", "", {}), GraphError);
+  EXPECT_THROW(registry->add(std::unique_ptr<VertexType>()), GraphError);
+  for (const char* tag : {"VERTEX,POINT", "\"VERTEX"}) EXPECT_THROW(Registry().addVertex<VertexSE2>(tag), GraphError);
   EXPECT_EQ(findAlgorithm(*registry, "LM"), registry->findAlgorithm("lm")) << "without regard to case";
   EXPECT_TRUE(registry->findAlgorithm("lm")->value.damped);
   EXPECT_EQ(findAlgorithm(*registry, "newton"), nullptr);

@@ -198,6 +198,7 @@ TEST(G2oWriter, RefusesAttachmentsThatWouldBeReadAsElements) {
   };
   refuses({"hello"}, {});
   refuses({"ROBOTLASER1 1 2"}, {});
+  refuses({"#quiver level 3"}, {});
   refuses({}, {"FIX 3"});
   refuses({}, {"  VERTEX_XY 17 1 2"});
   Graph graph = everything();

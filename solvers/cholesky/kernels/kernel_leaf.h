@@ -123,12 +123,13 @@ inline __attribute__((always_inline)) void subtractSmallProduct(double* c, std::
                                                                 const Vector (&factor)[b * b]) {
   using Block = LeafBlock<b>;
   static_assert(Block::vectors == 1);
+  constexpr int numbers = target == Target::block ? Block::lanes : b;
   Vector rows[b];
 #pragma GCC unroll 9
   for (int k = 0; k < b; ++k) rows[k] = load<Block::lanes>(a + k * Block::stride);
 #pragma GCC unroll 9
   for (int column = 0; column < b; ++column) {
-    Vector sum = loadFirst < Block::lanes, target == Target::block ? Block::lanes : b > (c + column * strideC);
+    Vector sum = loadFirst<Block::lanes, numbers>(c + column * strideC);
 #pragma GCC unroll 9
     for (int k = 0; k < b; ++k) sum -= rows[k] * factor[k * b + column];
     storeColumn<b, target>(c + column * strideC, &sum);
