@@ -13,9 +13,8 @@
 namespace quiver::detail {
 namespace {
 
-/// Scalar columns of a front that are assembled or formed together.
+/// Scalar columns of a front that are assembled together.
 constexpr int assemblyColumns = 48;
-constexpr int updateColumns = 48;
 /// Right-hand sides that go through the factor together: each node is read from far memory once for all of them.
 constexpr int columnsTogether = 4;
 
@@ -196,13 +195,13 @@ BlockCholesky::Failure BlockCholesky::factorLeaf(int node, const Input& input, c
   double* values = values_.data() + storage.values;
   double* update = updateOf(node, worker);
   const int b = plan_.leafDimension;
-  std::memset(update, 0, static_cast<std::size_t>(storage.updateStride * leaf.rows) * sizeof(double));
+  std::memset(update, 0, static_cast<std::size_t>(storage.updateCount) * sizeof(double));
   kernels_.leafLoad[b](plan_.leafOf(node), plan_.loads.data(), plan_.loadBegin.data() + leaf.firstBlock, input.values,
                        values);
   addDamping(node, input, leaf.firstBlock, leaf.lastBlock, leafStride(b));
   double pivot = 0.0;
-  const int failed = kernels_.leafFactor[b](plan_.leafOf(node), values, inverse_.data() + storage.scalar, update,
-                                            storage.updateStride, &pivot);
+  const int failed = kernels_.leafFactor[b](plan_.leafOf(node), values, inverse_.data() + storage.scalar,
+                                            {update, storage.updateLayout, update + storage.updateCount}, &pivot);
   return failed < 0 ? Failure{} : Failure{storage.scalar + failed, pivot};
 }
 
@@ -225,11 +224,9 @@ BlockCholesky::Failure BlockCholesky::factorFront(int node, const Input& input, 
   const PanelFailure failure = factorPanel(kernels_, panel, threads, *input.stop);
   if (failure.column >= 0) return {storage.scalar + failure.column, failure.pivot};
   if (failure.stopped || front.rows == 0) return {};
-  const int strips = (front.rows + updateColumns - 1) / updateColumns;
-  parallelFor(strips, threads, [&](std::int64_t s) {
-    const int begin = static_cast<int>(s) * updateColumns;
-    formUpdate(node, worker, begin, std::min(begin + updateColumns, front.rows));
-  });
+  const int width = storage.updateLayout.width;
+  parallelFor((front.rows + width - 1) / width, threads,
+              [&](std::int64_t strip) { formUpdate(node, worker, static_cast<int>(strip)); });
   return {};
 }
 
@@ -245,25 +242,29 @@ void BlockCholesky::assemblePanel(int node, const Input& input, const Worker& wo
   addDamping(node, input, firstBlock, lastBlock, storage.stride);
   for (const int child : plan_.childrenOf(node)) {
     const std::span<const RowRun> runs = plan_.runsOf(child);
-    kernels_.addChild(updateOf(child, worker), plan_.storage[child].updateStride, runs.data(),
+    kernels_.addChild(updateOf(child, worker), plan_.storage[child].updateLayout, runs.data(),
                       static_cast<int>(runs.size()), panel, storage.stride, 0, begin, end);
   }
 }
 
-/// Columns of the update matrix: made from the panel's rows below, then, while still near, the children's parts are
+/// A strip of the update matrix: made from the panel's rows below, then, while still near, the children's parts are
 /// added.
-void BlockCholesky::formUpdate(int node, const Worker& worker, int columnBegin, int columnEnd) {
+void BlockCholesky::formUpdate(int node, const Worker& worker, int strip) {
   const TreeNode& front = plan_.nodes[node];
   const NodeStorage& storage = plan_.storage[node];
-  const double* below = values_.data() + storage.values + storage.paddedColumns;
-  double* update = updateOf(node, worker);
-  kernels_.formUpdate(update, storage.updateStride, below, storage.stride, front.columns, columnBegin, columnEnd,
-                      storage.paddedRows);
+  const UpdateLayout layout = storage.updateLayout;
+  const int begin = strip * layout.width;
+  const int end = std::min(begin + layout.width, front.rows);
+  const int shift = storage.paddedColumns + begin;
+  const double* below = values_.data() + storage.values + shift;
+  double* update = updateOf(node, worker) + stripBegin(layout, strip);
+  kernels_.formUpdate(update, stripStride(layout, strip), below, storage.stride, front.columns, end - begin,
+                      storage.paddedRows - begin);
   for (const int child : plan_.childrenOf(node)) {
     const std::span<const RowRun> runs = plan_.runsOf(child);
-    kernels_.addChild(updateOf(child, worker), plan_.storage[child].updateStride, runs.data(),
-                      static_cast<int>(runs.size()), update, storage.updateStride, storage.paddedColumns,
-                      storage.paddedColumns + columnBegin, storage.paddedColumns + columnEnd);
+    kernels_.addChild(updateOf(child, worker), plan_.storage[child].updateLayout, runs.data(),
+                      static_cast<int>(runs.size()), update, stripStride(layout, strip), shift, shift,
+                      shift + end - begin);
   }
 }
 

@@ -70,7 +70,7 @@ class BlockCholesky final : public LinearSolver {
   /// Adds the damping to the loaded diagonal blocks, whose columns are `stride` apart.
   void addDamping(int node, const Input& input, int firstBlock, int lastBlock, std::int64_t stride);
   void assemblePanel(int node, const Input& input, const Worker& worker, int firstBlock, int lastBlock);
-  void formUpdate(int node, const Worker& worker, int columnBegin, int columnEnd);
+  void formUpdate(int node, const Worker& worker, int strip);
   SolverStatus statusOf(const Failure& failure) const;
 
   /// One right-hand side on its way through the factor.

@@ -17,7 +17,8 @@ FactorPlan::FactorPlan(const BlockPattern& pattern, int threads) { FactorPlanBui
 std::int64_t FactorPlan::bytes() const {
   return bytesOf(nodes) + bytesOf(storage) + bytesOf(blocks) + bytesOf(blockScalar) + bytesOf(patternScalar) +
          bytesOf(loadBegin) + bytesOf(loads) + bytesOf(children) + bytesOf(runs) + bytesOf(spans) +
-         bytesOf(leafColumns) + bytesOf(leafRows) + bytesOf(leafPositions) + leafDestinationCount * 4;
+         bytesOf(leafColumns) + bytesOf(leafRows) + bytesOf(leafPositions) + bytesOf(panels) + bytesOf(panelRuns) +
+         leafDestinationCount * 4;
 }
 
 }  // namespace quiver::detail

@@ -28,12 +28,15 @@ struct NodeStorage {
   std::int64_t values = 0;
   std::int64_t stride = 0;  // of a front's panel
   std::int64_t update = 0;  // of its update matrix, in the arena or (below a task's root) in the worker's part of it
-  std::int64_t updateStride = 0;
+  std::int64_t updateCount = 0;  // doubles of the update matrix; a leaf subtree's panel follows
+  std::int64_t panelCount = 0;
+  UpdateLayout updateLayout{};
   std::int64_t vector = 0;  // of its part of the substitution, in the workspace
   std::int64_t children = 0;
   std::int64_t runs = 0;
   std::int64_t spans = 0;
   std::int64_t leafColumns = 0;
+  std::int64_t panels = 0;
   int outside = 0;            // block rows below a leaf subtree
   bool sharedUpdate = false;  // a task's root, or a node above the tasks
 };
@@ -72,6 +75,8 @@ class FactorPlan {
   std::vector<LeafColumn> leafColumns;
   std::vector<std::int32_t> leafRows;
   std::vector<std::int32_t> leafPositions;
+  std::vector<LeafPanel> panels;
+  std::vector<RowRun> panelRuns;
   std::unique_ptr<std::int32_t[]> leafDestinations;
   std::int64_t leafDestinationCount = 0;
 
@@ -100,7 +105,9 @@ class FactorPlan {
             storage[node].outside,
             leafRows.data(),
             leafPositions.data(),
-            leafDestinations.get()};
+            leafDestinations.get(),
+            panels.data() + storage[node].panels,
+            panelRuns.data()};
   }
 };
 

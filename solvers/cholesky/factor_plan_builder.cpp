@@ -10,11 +10,15 @@
 #include <quiver/core/util/parallel.h>
 #include <quiver/solvers/block/ordering.h>
 #include <quiver/solvers/cholesky/arena_planner.h>
+#include <quiver/solvers/cholesky/leaf_panels.h>
 
 namespace quiver::detail {
 namespace {
 
 int ceil8(int value) { return (value + 7) / 8 * 8; }
+
+/// Columns of an update matrix that are stored, and in fronts formed, together.
+constexpr int updateColumns = 48;
 
 /// An odd multiple of 8 doubles, so that columns do not fall on the same cache sets.
 std::int64_t oddStride(int rows) { return std::int64_t{ceil8(rows) / 8 | 1} * 8; }
@@ -93,10 +97,11 @@ void FactorPlanBuilder::layOutNodes() {
     storage.paddedRows = ceil8(node.rows);
     storage.values = plan_.valueCount;
     storage.vector = plan_.workspaceCount;
-    storage.updateStride = oddStride(node.rows);
+    storage.updateLayout = updateLayoutOf(node);
     storage.runs = static_cast<std::int64_t>(plan_.runs.size());
     storage.spans = static_cast<std::int64_t>(plan_.spans.size());
     storage.leafColumns = static_cast<std::int64_t>(plan_.leafColumns.size());
+    storage.panels = static_cast<std::int64_t>(plan_.panels.size());
     targetBegin_.push_back(static_cast<std::int64_t>(targets_.size()));
     plan_.workspaceCount += storage.paddedColumns + storage.paddedRows;
     addSpans(k);
@@ -113,6 +118,15 @@ void FactorPlanBuilder::layOutNodes() {
   end.runs = static_cast<std::int64_t>(plan_.runs.size());
   end.spans = static_cast<std::int64_t>(plan_.spans.size());
   end.leafColumns = static_cast<std::int64_t>(plan_.leafColumns.size());
+}
+
+UpdateLayout FactorPlanBuilder::updateLayoutOf(const TreeNode& node) const {
+  const auto rows = static_cast<int>(oddStride(node.rows));
+  if (!node.leaf) return {rows, updateColumns};
+  // A multiple of 8 and of the blocks' dimension.
+  const int b = dimension(tree_->order[node.firstBlock]);
+  if (b < leastPanelDimension) return {rows, rows};
+  return {rows, std::lcm(8, b) > 24 ? std::lcm(8, b) : updateColumns};
 }
 
 void FactorPlanBuilder::listChildren() {
@@ -179,6 +193,7 @@ void FactorPlanBuilder::layOutLeaf(int node, NodeStorage& storage) {
   plan_.workspaceCount += ceil8(blocks * leafStride(plan_.leafDimension));
   std::int32_t offset = 0;
   for (int column = leaf.firstBlock; column < leaf.lastBlock; ++column) addLeafColumn(node, column, offset);
+  storage.panelCount = addLeafPanels(plan_, node);
   plan_.valueCount += ceil8(offset);
 }
 
@@ -191,7 +206,7 @@ void FactorPlanBuilder::addLeafColumn(int node, int column, std::int32_t& offset
   entry.values = offset;
   entry.scalar = (column - leaf.firstBlock) * b;
   entry.below = static_cast<std::int32_t>(rows.size());
-  entry.group = tree_->groups[column];
+  entry.group = static_cast<std::int16_t>(tree_->groups[column]);
   entry.rows = narrow(static_cast<std::int64_t>(plan_.leafRows.size()));
   // Rows ascend, and a leaf's columns come before what is outside.
   const std::size_t first = plan_.leafRows.size();
@@ -321,8 +336,15 @@ void FactorPlanBuilder::listNodeLoads(int k, const std::vector<int>& place, cons
 }
 
 void FactorPlanBuilder::placeUpdates() {
+  for (int node = 0; node < static_cast<int>(plan_.nodes.size()); ++node) {
+    const UpdateLayout layout = plan_.storage[node].updateLayout;
+    const int strips = plan_.nodes[node].rows / layout.width;
+    const int left = plan_.nodes[node].rows % layout.width;
+    plan_.storage[node].updateCount = stripBegin(layout, strips) + left * stripStride(layout, strips);
+  }
   const auto sizeOf = [&](int node) {
-    return plan_.nodes[node].rows == 0 ? 0 : plan_.storage[node].updateStride * plan_.nodes[node].rows + 8;
+    const NodeStorage& storage = plan_.storage[node];
+    return plan_.nodes[node].rows == 0 ? 0 : storage.updateCount + storage.panelCount + 8;
   };
   const auto place = [&](ArenaPlanner& planner, int node) {
     plan_.storage[node].update = planner.allocate(sizeOf(node));

@@ -24,6 +24,7 @@ class FactorPlanBuilder {
   int dimension(int position) const { return dimensions_[position]; }
 
   void layOutNodes();
+  UpdateLayout updateLayoutOf(const TreeNode& node) const;
   void listChildren();
   void addRuns(int node);
   void addSpans(int node);

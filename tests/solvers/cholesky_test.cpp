@@ -259,6 +259,52 @@ TEST(FactorPlan, columnsOfAGroupDoNotWaitForEachOther) {
   EXPECT_GT(grouped, 100);
 }
 
+/// A panel has every row of its columns outside the subtree, in runs that share no multiple of 8 of the update matrix.
+TEST(FactorPlan, panelsHaveTheRowsOfTheirColumns) {
+  std::mt19937 random(23);
+  int several = 0;
+  for (const int b : {4, 5, 6, 7, 8, 9}) {
+    const FactorPlan plan(largeSystem({b}, random).pattern(), 1);
+    for (int node = 0; node < static_cast<int>(plan.nodes.size()); ++node) {
+      const auto& storage = plan.storage[static_cast<std::size_t>(node)];
+      EXPECT_EQ(storage.updateLayout.width % 8, 0);
+      if (!plan.nodes[static_cast<std::size_t>(node)].leaf) continue;
+      EXPECT_EQ(storage.updateLayout.width % b, 0);
+      const detail::LeafView leaf = plan.leafOf(node);
+      std::vector<int> panelOf(static_cast<std::size_t>(leaf.count), 0);
+      const detail::LeafPanel* panel = leaf.panels;
+      for (; panel->last < leaf.count; ++panel) {
+        const std::span<const detail::RowRun> runs(leaf.panelRuns + panel->runs,
+                                                   static_cast<std::size_t>(panel->runCount));
+        if (runs.size() > 1) ++several;
+        EXPECT_LE(std::int64_t{panel->stride} * (panel->last - panel->first + 1) * b, storage.panelCount);
+        std::vector<char> covered(static_cast<std::size_t>(storage.updateLayout.rows), 0);
+        int source = 0;
+        int end = 0;
+        for (const detail::RowRun& run : runs) {
+          EXPECT_EQ(run.source, source);
+          EXPECT_GE(run.destination / 8 * 8, end);
+          end = (run.destination + run.length + 7) / 8 * 8;
+          source += end - run.destination / 8 * 8;
+          std::fill_n(covered.begin() + run.destination, run.length, char{1});
+        }
+        EXPECT_EQ(panel->stride, source);
+        for (int j = panel->first; j <= panel->last; ++j) {
+          const detail::LeafColumn& column = leaf.columns[j];
+          EXPECT_EQ(column.below - column.inside, leaf.columns[panel->first].below - leaf.columns[panel->first].inside);
+          for (int i = column.inside; i < column.below; ++i) {
+            for (int c = 0; c < b; ++c)
+              EXPECT_EQ(covered[static_cast<std::size_t>(leaf.positions[column.rows + i] + c)], 1);
+          }
+          panelOf[static_cast<std::size_t>(j)] = 1;
+        }
+      }
+      for (int j = 0; j < leaf.count; ++j) EXPECT_EQ(leaf.columns[j].inPanel, panelOf[static_cast<std::size_t>(j)]);
+    }
+  }
+  EXPECT_GT(several, 20);
+}
+
 TEST(ArenaPlanner, neverHandsOutAPlaceTwice) {
   std::mt19937 random(17);
   detail::ArenaPlanner planner;
@@ -318,8 +364,8 @@ TEST(Kernels, factorAFrontLikeADenseMatrix) {
                   1e-12 * factor.norm());
         Eigen::MatrixXd update(rows - padded, below);
         for (int c = 0; c < below; c += 48) {
-          kernels.formUpdate(update.data(), rows - padded, panel.data() + padded, rows, columns, c,
-                             std::min(c + 48, below), rows - padded);
+          kernels.formUpdate(update.data() + c * (rows - padded + 1), rows - padded, panel.data() + padded + c, rows,
+                             columns, std::min(48, below - c), rows - padded - c);
         }
         const Eigen::MatrixXd b = factor.bottomLeftCorner(below, columns);
         const Eigen::MatrixXd expected = (-b * b.transpose()).triangularView<Eigen::Lower>();

@@ -15,19 +15,23 @@ inline __attribute__((always_inline)) void addRun(double* target, const double* 
   if (length & 1) target[i] += source[i];
 }
 
-void addChild(const double* child, std::int64_t childStride, const RowRun* runs, int count, double* target,
+void addChild(const double* child, UpdateLayout layout, const RowRun* runs, int count, double* target,
               std::int64_t targetStride, int shift, int begin, int end) {
+  UpdateColumns offsetOf(layout);
   for (int q = 0; q < count; ++q) {
     const RowRun& run = runs[q];
     if (run.destination >= end) break;
     const int first = larger(run.destination, begin);
     const int last = smaller(run.destination + run.length, end);
-    for (int d = first; d < last; ++d) {
-      const int c = run.source + d - run.destination;
-      const double* from = child + c * childStride;
+    for (int d = first; d < last;) {
+      int c = run.source + d - run.destination;
+      const double* from = child + offsetOf(c);
       double* to = target + (d - shift) * targetStride - shift;
-      addRun(to + d, from + c, run.source + run.length - c);
-      for (int k = q + 1; k < count; ++k) addRun(to + runs[k].destination, from + runs[k].source, runs[k].length);
+      const int stripEnd = smaller(offsetOf.stripEnd(), c + last - d);
+      for (; c < stripEnd; ++c, ++d, from += offsetOf.stride(), to += targetStride) {
+        addRun(to + d, from + c, run.source + run.length - c);
+        for (int k = q + 1; k < count; ++k) addRun(to + runs[k].destination, from + runs[k].source, runs[k].length);
+      }
     }
   }
 }

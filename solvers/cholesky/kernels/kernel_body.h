@@ -10,6 +10,8 @@ namespace {
 //
 #include <quiver/solvers/cholesky/kernels/kernel_dense.h>
 //
+#include <quiver/solvers/cholesky/kernels/kernel_update.h>
+//
 #include <quiver/solvers/cholesky/kernels/kernel_assembly.h>
 //
 #include <quiver/solvers/cholesky/kernels/kernel_leaf.h>

@@ -104,12 +104,11 @@ void updatePanel(double* panel, std::int64_t stride, int begin, int columns, int
 }
 
 void formUpdate(double* update, std::int64_t updateStride, const double* below, std::int64_t stride, int depth,
-                int columnBegin, int columnEnd, int rows) {
-  lowerProduct<Store::negate>(update, updateStride, below, stride, smaller(depth, blockDepth), columnBegin, columnEnd,
-                              0, rows);
+                int columns, int rows) {
+  lowerProduct<Store::negate>(update, updateStride, below, stride, smaller(depth, blockDepth), 0, columns, 0, rows);
   for (int k = blockDepth; k < depth; k += blockDepth) {
-    lowerProduct<Store::subtract>(update, updateStride, below + k * stride, stride, smaller(depth - k, blockDepth),
-                                  columnBegin, columnEnd, 0, rows);
+    lowerProduct<Store::subtract>(update, updateStride, below + k * stride, stride, smaller(depth - k, blockDepth), 0,
+                                  columns, 0, rows);
   }
 }
 

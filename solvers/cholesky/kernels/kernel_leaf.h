@@ -74,7 +74,7 @@ inline __attribute__((always_inline)) void storeColumn(double* p, const typename
   using Block = LeafBlock<b>;
   if constexpr (v < Block::vectors) {
     constexpr int count = target == Target::block ? Block::lanes : b - v * Block::lanes;
-    storeFirst<Block::lanes, count>(p + v * Block::lanes, values[v]);
+    if constexpr (count > 0) storeFirst<Block::lanes, count>(p + v * Block::lanes, values[v]);
     storeColumn<b, target, v + 1>(p, values);
   }
 }
@@ -181,11 +181,27 @@ inline __attribute__((always_inline)) void invertDiagonal(double* diagonal, cons
   }
 }
 
-/// Divides the blocks below by the factored diagonal, and subtracts the products of all pairs of them.
+/// Products of a column's blocks outside the subtree, which start at `factor`, are subtracted from the update matrix.
+template <int b>
+inline __attribute__((always_inline)) void subtractOutside(const LeafView& leaf, const LeafColumn& column,
+                                                           const double* factor, double* update, UpdateLayout layout) {
+  constexpr bool oneStrip = b < leastPanelDimension;
+  const std::int64_t rows = layout.rows;
+  UpdateColumns offsetOf(layout);
+  for (int q = column.inside; q < column.below; ++q, factor += LeafBlock<b>::size) {
+    const std::int32_t* positions = leaf.positions + column.rows + q;
+    double* const target = update + (oneStrip ? positions[0] * rows : offsetOf(positions[0]));
+    subtractProducts<b, Target::matrix>(factor, column.below - q, oneStrip ? rows : offsetOf.stride(),
+                                        [=](int i) { return target + positions[i]; });
+  }
+}
+
+/// Divides the blocks below by the factored diagonal, and subtracts the products of all pairs of them, but for those
+/// that a panel takes.
 template <int b>
 inline __attribute__((always_inline)) void eliminateLeafColumn(const LeafView& leaf, const LeafColumn& column,
                                                                double* values, const double* inverse, double* update,
-                                                               std::int64_t updateStride) {
+                                                               UpdateLayout layout) {
   using Block = LeafBlock<b>;
   const double* const diagonal = values + column.values;
   double* const below = values + column.values + Block::size;
@@ -197,17 +213,39 @@ inline __attribute__((always_inline)) void eliminateLeafColumn(const LeafView& l
     subtractProducts<b, Target::block>(factor, count, Block::stride, [=](int i) { return values + destinations[i]; });
     destinations += count;
   }
-  for (int q = column.inside; q < column.below; ++q, factor += Block::size) {
-    const std::int32_t* positions = leaf.positions + column.rows + q;
-    double* target = update + positions[0] * updateStride;
-    subtractProducts<b, Target::matrix>(factor, column.below - q, updateStride,
-                                        [=](int i) { return target + positions[i]; });
+  if (b < leastPanelDimension || column.inPanel == 0) subtractOutside<b>(leaf, column, factor, update, layout);
+}
+
+/// Copies the blocks outside of a panel's columns into it.
+template <int b>
+__attribute__((noinline)) void gatherPanel(const LeafView& leaf, const LeafPanel& panel, const double* values,
+                                           double* target) {
+  using Block = LeafBlock<b>;
+  const std::int64_t stride = panel.stride;
+  __builtin_memset(target, 0, static_cast<unsigned long>((panel.last - panel.first + 1) * b * stride) * sizeof(double));
+  for (int j = panel.first; j <= panel.last; ++j, target += b * stride) {
+    const LeafColumn& column = leaf.columns[j];
+    const std::int32_t* positions = leaf.positions + column.rows;
+    const double* block = values + column.values + (1 + column.inside) * Block::size;
+    const RowRun* run = leaf.panelRuns + panel.runs;
+    for (int i = column.inside; i < column.below; ++i, block += Block::size) {
+      while (positions[i] >= run->destination + run->length) ++run;
+      double* to = target + (run->source + positions[i] - floor8(run->destination));
+#pragma GCC unroll 9
+      for (int c = 0; c < b; ++c) {
+        typename Block::Vector numbers[Block::vectors];
+#pragma GCC unroll 4
+        for (int v = 0; v < Block::vectors; ++v)
+          numbers[v] = load<Block::lanes>(block + c * Block::stride + v * Block::lanes);
+        storeColumn<b, Target::matrix>(to + c * stride, numbers);
+      }
+    }
   }
 }
 
 template <int b>
-int leafFactor(const LeafView& leaf, double* values, double* inverse, double* update, std::int64_t updateStride,
-               double* pivot) {
+int leafFactor(const LeafView& leaf, double* values, double* inverse, const LeafUpdate& update, double* pivot) {
+  [[maybe_unused]] const LeafPanel* next = leaf.panels;
   for (int j = 0; j < leaf.count;) {
     const int end = j + leaf.columns[j].group;
     for (int k = j; k < end; ++k) {
@@ -217,7 +255,13 @@ int leafFactor(const LeafView& leaf, double* values, double* inverse, double* up
       if (failed >= 0) return k * b + failed;
       invertDiagonal<b>(diagonal, inverse + column.scalar);
     }
-    for (; j < end; ++j) eliminateLeafColumn<b>(leaf, leaf.columns[j], values, inverse, update, updateStride);
+    for (; j < end; ++j) eliminateLeafColumn<b>(leaf, leaf.columns[j], values, inverse, update.values, update.layout);
+    if constexpr (b >= leastPanelDimension) {
+      for (; next->last < j; ++next) {
+        gatherPanel<b>(leaf, *next, values, update.panel);
+        subtractPanel(update, *next, leaf.panelRuns + next->runs, (next->last - next->first + 1) * b);
+      }
+    }
   }
   return -1;
 }

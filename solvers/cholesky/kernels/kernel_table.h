@@ -14,6 +14,21 @@ struct RowRun {
   std::int32_t destination;  // first row in the parent's storage: columns first, padded, then the rows below
 };
 
+/// How the lower triangle of an update matrix lies in memory: strips of `width` columns one after the other, each with
+/// the rows from its first diagonal entry down to `rows`. Both are multiples of 8. Blocks of a leaf subtree do not
+/// cross the borders of strips; those of less than leastPanelDimension have a single strip.
+struct UpdateLayout {
+  std::int32_t rows;
+  std::int32_t width;
+};
+
+/// The update matrix of a leaf subtree, and room for the largest of its panels.
+struct LeafUpdate {
+  double* values;
+  UpdateLayout layout;
+  double* panel;
+};
+
 /// Where one block of H goes: `rows` × `columns` doubles from `source` in BlockMatrix::values() to `destination` in the
 /// node's values.
 struct LoadEntry {
@@ -31,7 +46,19 @@ struct LeafColumn {
   std::int32_t inside;        // how many of them have their row in the subtree; these come first
   std::int32_t rows;          // first entry of the blocks below in LeafView::rows and ::positions
   std::int32_t destinations;  // first entry in LeafView::destinations
-  std::int32_t group;         // columns from this one on that do not wait for each other; 0 inside such a group
+  std::int16_t group;         // columns from this one on that do not wait for each other; 0 inside such a group
+  std::int16_t inPanel;       // 1 if a LeafPanel takes its products outside the subtree
+};
+
+/// Consecutive columns of a leaf subtree whose blocks outside have the same rows. Copied side by side they are a panel,
+/// whose product with itself is subtracted from the update matrix at once. Its runs of rows begin and end at multiples
+/// of 8 of the update matrix and are filled up with zeros.
+struct LeafPanel {
+  std::int32_t first;  // column
+  std::int32_t last;
+  std::int32_t stride;  // rows of the panel
+  std::int32_t runs;    // first entry in LeafView::panelRuns
+  std::int32_t runCount;
 };
 
 /// A subtree whose block columns are stored one by one: blocks of dimension b as b columns of `leafStride(b)` doubles.
@@ -48,9 +75,16 @@ struct LeafView {
   /// For each inside block q of a column, and each block i ≥ q: the offset of the values from which L_i L_qᵀ is
   /// subtracted.
   const std::int32_t* destinations;
+  /// By ascending columns; one more, behind all columns, closes the list.
+  const LeafPanel* panels;
+  /// `source` is the panel's row for the multiple of 8 at or before `destination`, which is a row of the update matrix.
+  const RowRun* panelRuns;
 };
 
 constexpr int largestLeafDimension = 9;
+/// Dimension of blocks from which on leaf subtrees have panels: with smaller ones, looking for them costs what they
+/// save.
+constexpr int leastPanelDimension = 4;
 /// Columns factored together in a front.
 constexpr int chunkColumns = 48;
 
@@ -74,14 +108,14 @@ struct KernelTable {
   void (*updatePanel)(double* panel, std::int64_t stride, int begin, int width, int columnBegin, int columnEnd,
                       int rowBegin, int rowEnd);
 
-  /// Columns [columnBegin, columnEnd) of U = −B Bᵀ on and below the diagonal; B has `rows` (padded) rows and `depth`
+  /// The first `columns` columns of U = −B Bᵀ on and below the diagonal; B has `rows` (padded) rows and `depth`
   /// columns.
   void (*formUpdate)(double* update, std::int64_t updateStride, const double* below, std::int64_t stride, int depth,
-                     int columnBegin, int columnEnd, int rows);
+                     int columns, int rows);
 
   /// Adds the lower triangle of a child's update matrix to the columns [begin, end) of the parent's storage numbering;
   /// target points to the storage position (shift, shift).
-  void (*addChild)(const double* child, std::int64_t childStride, const RowRun* runs, int count, double* target,
+  void (*addChild)(const double* child, UpdateLayout layout, const RowRun* runs, int count, double* target,
                    std::int64_t targetStride, int shift, int begin, int end);
 
   /// v ← panel's forward substitution: the first `columns` rows become y, the rows below get −L y added.
@@ -91,12 +125,12 @@ struct KernelTable {
   void (*backward)(const double* panel, std::int64_t stride, int columns, int rows, const double* inverse, double* v);
 
   /// Leaf subtrees by block dimension 1 … 9 (entry 0 is null). Loading fills the values: blocks of H, zero elsewhere;
-  /// `begin` has the first of `loads` of each column, and one more. Factorisation returns the column of the failed
-  /// pivot times the dimension plus its coordinate, or −1.
+  /// `begin` has the first of `loads` of each column, and one more. Factorisation subtracts from the update matrix, and
+  /// returns the column of the failed pivot times the dimension plus its coordinate, or −1.
   void (*leafLoad[largestLeafDimension + 1])(const LeafView& leaf, const LoadEntry* loads, const std::int64_t* begin,
                                              const double* source, double* values);
-  int (*leafFactor[largestLeafDimension + 1])(const LeafView& leaf, double* values, double* inverse, double* update,
-                                              std::int64_t updateStride, double* pivot);
+  int (*leafFactor[largestLeafDimension + 1])(const LeafView& leaf, double* values, double* inverse,
+                                              const LeafUpdate& update, double* pivot);
   /// x are the subtree's scalars, v is a vector of the subtree. Forward, `update` receives what the rows outside get;
   /// backward, the places of the rows outside in v hold their solution.
   void (*leafForward[largestLeafDimension + 1])(const LeafView& leaf, const double* values, const double* inverse,
@@ -107,6 +141,19 @@ struct KernelTable {
 
 /// Doubles between the columns of a leaf block of dimension b.
 constexpr int leafStride(int b) { return b <= 2 ? b : (b + 3) / 4 * 4; }
+
+// Of internal linkage, so that no instruction set's version serves for others.
+namespace {
+
+/// Where a strip of an update matrix begins, and the distance of its columns.
+constexpr std::int64_t stripBegin(UpdateLayout layout, std::int64_t strip) {
+  return layout.width * (strip * layout.rows - layout.width * (strip * (strip - 1) / 2));
+}
+constexpr std::int64_t stripStride(UpdateLayout layout, std::int64_t strip) {
+  return layout.rows - strip * layout.width;
+}
+
+}  // namespace
 
 /// Null where the compiler or the target has no such instructions.
 const KernelTable* genericKernels();
