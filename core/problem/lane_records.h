@@ -25,7 +25,7 @@ inline void storeRecords(const Lanes<Isa>* in, double* const* pointers) {
   }
 }
 
-/// pointers[i][k] += in[k] lane i, k < Size, a multiple of eight. Records that several pointers share get their parts
+/// pointers[i][k] += in[k] lane i, k < Size. Records that several pointers share get their parts
 /// in order of i.
 template <int Size, typename Isa>
 inline void addRecords(const Lanes<Isa>* in, double* const* pointers) {
@@ -85,7 +85,7 @@ QUIVER_TARGET_AVX2 inline void loadLanes(const double* in, Lanes<isa::Avx2>& val
       r[6] = __builtin_shuffle(b2, b6, high4), r[7] = __builtin_shuffle(b3, b7, high4);          \
     }
 
-/// Transposes eight records of four numbers, the i-th and the one four behind it in r[i]: eight shuffles.
+/// Transposes eight records of four numbers, the i-th and the one four behind it in r[i], or back: eight shuffles.
 #  define QUIVER_TRANSPOSE4(r)                                                                   \
     {                                                                                            \
       const Index8 low = {0, 8, 2, 10, 4, 12, 6, 14}, high = {1, 9, 3, 11, 5, 13, 7, 15};        \
@@ -119,12 +119,25 @@ QUIVER_TARGET_AVX512 inline void loadRecords(const double* const* pointers, Lane
 
 template <int Size>
 QUIVER_TARGET_AVX512 inline void addRecords(const Lanes<isa::Avx512>* in, double* const* pointers) {
-  static_assert(Size % 8 == 0);
-  for (int k = 0; k < Size; k += 8) {
+  constexpr int whole = Size / 8 * 8;
+  for (int k = 0; k < whole; k += 8) {
     Native8 r[8];
     for (int i = 0; i < 8; ++i) r[i] = *reinterpret_cast<const Native8*>(in[k + i].v);
     QUIVER_TRANSPOSE8(r)
     for (int i = 0; i < 8; ++i) *reinterpret_cast<Native8*>(pointers[i] + k) += r[i];
+  }
+  if constexpr (Size - whole == 4) {
+    Native8 r[4];
+    for (int i = 0; i < 4; ++i) r[i] = *reinterpret_cast<const Native8*>(in[whole + i].v);
+    QUIVER_TRANSPOSE4(r)
+    for (int i = 0; i < 4; ++i)
+      *reinterpret_cast<Native4*>(pointers[i] + whole) += __builtin_shufflevector(r[i], r[i], 0, 1, 2, 3);
+    for (int i = 0; i < 4; ++i)
+      *reinterpret_cast<Native4*>(pointers[i + 4] + whole) += __builtin_shufflevector(r[i], r[i], 4, 5, 6, 7);
+  } else {
+    for (int i = 0; i < 8; ++i) {
+      for (int k = whole; k < Size; ++k) pointers[i][k] += in[k].v[i];
+    }
   }
 }
 
@@ -138,11 +151,12 @@ QUIVER_TARGET_AVX512 inline void storeRecords(const Lanes<isa::Avx512>* in, doub
     for (int i = 0; i < 8; ++i) *reinterpret_cast<Native8*>(pointers[i] + k) = r[i];
   }
   if constexpr (Size - whole == 4) {
-    Native8 r[8];
-    for (int i = 0; i < 8; ++i) r[i] = *reinterpret_cast<const Native8*>(in[whole + i % 4].v);
-    QUIVER_TRANSPOSE8(r)
-    for (int i = 0; i < 8; ++i) {
+    Native8 r[4];
+    for (int i = 0; i < 4; ++i) r[i] = *reinterpret_cast<const Native8*>(in[whole + i].v);
+    QUIVER_TRANSPOSE4(r)
+    for (int i = 0; i < 4; ++i) {
       *reinterpret_cast<Native4*>(pointers[i] + whole) = __builtin_shufflevector(r[i], r[i], 0, 1, 2, 3);
+      *reinterpret_cast<Native4*>(pointers[i + 4] + whole) = __builtin_shufflevector(r[i], r[i], 4, 5, 6, 7);
     }
   } else {
     for (int k = whole; k < Size; ++k) {

@@ -24,12 +24,22 @@ inline auto columnProduct(const X& x, const Y& y) {
   (std::make_integer_sequence<int, X::RowsAtCompileTime>());
 }
 
+/// Calls part(first, 0 … its length − 1) for `numbers` in parts of eight, what is left in one part of length `last`.
+template <int numbers, int last, typename Part>
+inline void forEachPart(const Part& part) {
+  [&]<int... Eight>(std::integer_sequence<int, Eight...>) {
+    (part(std::integral_constant<int, Eight * 8>(), std::make_integer_sequence<int, 8>()), ...);
+  }
+  (std::make_integer_sequence<int, numbers / 8>());
+  if constexpr (last > 0) part(std::integral_constant<int, numbers / 8 * 8>(), std::make_integer_sequence<int, last>());
+}
+
 /// The upper triangle of JᵀJ, row by row, then Jᵀr, added to eight records: eight numbers at a time, which stay in
 /// registers until they are turned.
 template <typename L, typename Block, typename Error>
 inline void addSquare(const Block& J, const Error& error, double* const* records) {
   constexpr int D = Block::ColsAtCompileTime;
-  constexpr int numbers = recordNumbers(D);
+  constexpr int numbers = D * (D + 1) / 2 + D;
   const auto entry = [&]<int At>(std::integral_constant<int, At>) {
     constexpr TriangleEntry place = triangleEntry<D>(At);
     if constexpr (place.row == D) {
@@ -40,20 +50,14 @@ inline void addSquare(const Block& J, const Error& error, double* const* records
       return columnProduct<place.row, place.column>(J, J);
     }
   };
-  const auto addEight = [&]<int First, int... I>(std::integral_constant<int, First>, std::integer_sequence<int, I...>) {
-    const L part[L::width] = {entry(std::integral_constant<int, First + I>())...};
+  constexpr int left = numbers % 8;
+  constexpr int last = left <= 1 ? left : left <= 4 ? 4 : 8;
+  forEachPart<numbers, last>([&]<int At, int... I>(std::integral_constant<int, At>, std::integer_sequence<int, I...>) {
+    const L part[] = {entry(std::integral_constant<int, At + I>())...};
     double* out[L::width];
-    for (int i = 0; i < L::width; ++i) out[i] = records[i] + First;
-    addRecords<L::width>(part, out);
-  };
-  [&]<int... Chunk>(std::integer_sequence<int, Chunk...>) {
-    (addEight(std::integral_constant<int, Chunk * L::width>(), std::make_integer_sequence<int, L::width>()), ...);
-  }
-  (std::make_integer_sequence<int, numbers / L::width>());
-  if constexpr (numbers % L::width == 1) {
-    const L last = entry(std::integral_constant<int, numbers - 1>());
-    for (int i = 0; i < L::width; ++i) records[i][numbers - 1] += last.v[i];
-  }
+    for (int i = 0; i < L::width; ++i) out[i] = records[i] + At;
+    addRecords<sizeof...(I)>(part, out);
+  });
 }
 
 /// AᵀB column by column, transposed in the lanes that ask for it, written to eight blocks.
@@ -66,12 +70,14 @@ inline void writeCross(const First& a, const Second& b, const std::int64_t* flip
   (std::make_integer_sequence<int, Da * Db>());
   typename L::Mask flipped;
   for (int i = 0; i < L::width; ++i) flipped.v[i] = flip[i];
-  L placed[Da * Db];
-  [&]<int... K>(std::integer_sequence<int, K...>) {
-    ((placed[K] = select(flipped, result[K % Db * Da + K / Db], result[K])), ...);
-  }
-  (std::make_integer_sequence<int, Da * Db>());
-  storeRecords<Da * Db>(placed, blocks);
+  constexpr int numbers = Da * Db;
+  forEachPart<numbers, numbers % 8>([&]<int At, int... I>(std::integral_constant<int, At>,
+                                                          std::integer_sequence<int, I...>) {
+    const L part[] = {select(flipped, result[(At + I) % Db * Da + (At + I) / Db], result[At + I])...};
+    double* out[L::width];
+    for (int i = 0; i < L::width; ++i) out[i] = blocks[i] + At;
+    storeRecords<sizeof...(I)>(part, out);
+  });
 }
 
 /// Brings the lines of the next group's blocks on their way while this group is computed.
@@ -81,11 +87,39 @@ inline void prefetchBlocks(double* const* blocks, int numbers) {
   }
 }
 
+/// column C ← U column C.
+template <bool triangular, int C, typename L, typename Block>
+inline void whitenColumn(const L* U, Block& J) {
+  constexpr int rows = Block::RowsAtCompileTime;
+  [&]<int... R>(std::integer_sequence<int, R...>) {
+    const auto row = [&]<int Row>(std::integral_constant<int, Row>) {
+      if constexpr (triangular) {
+        constexpr int diagonal = Row * rows - Row * (Row - 1) / 2;
+        L sum = U[diagonal] * J(Row, C);
+        [&]<int... K>(std::integer_sequence<int, K...>) { ((sum += U[diagonal + 1 + K] * J(Row + 1 + K, C)), ...); }
+        (std::make_integer_sequence<int, rows - 1 - Row>());
+        J(Row, C) = sum;
+      } else {
+        J(Row, C) = U[Row] * J(Row, C);
+      }
+    };
+    (row(std::integral_constant<int, R>()), ...);
+  }
+  (std::make_integer_sequence<int, rows>());
+}
+
+/// J ← U J.
+template <bool triangular, typename L, typename Block>
+inline void whitenProduct(const L* U, Block& J) {
+  [&]<int... C>(std::integer_sequence<int, C...>) { (whitenColumn<triangular, C>(U, J), ...); }
+  (std::make_integer_sequence<int, Block::ColsAtCompileTime>());
+}
+
 /// Edges first … first + count − 1, `first` a multiple of eight: errors, blocks and their products, in registers.
-/// squaredError[i] is eᵀΩe of edge first + i, for whole groups of eight.
-template <typename E, typename L, bool analytic>
-inline void productLoop(const BatchView& view, int first, int count, const ProductTargets& targets,
-                        double* squaredError) {
+/// squaredError[i] is eᵀΩe of edge first + i, for whole groups of eight. `triangular`: the whitening of the batch.
+template <typename E, typename L, bool analytic, bool triangular>
+inline void productLoopOf(const BatchView& view, int first, int count, const ProductTargets& targets,
+                          double* squaredError) {
   using Loop = EdgeLoop<E>;
   constexpr int rows = Loop::rows;
   constexpr int values = Loop::values;
@@ -111,9 +145,11 @@ inline void productLoop(const BatchView& view, int first, int count, const Produ
       if (begin + L::width < count)
         prefetchBlocks(targets.blocks[0] + at + L::width, Loop::columns[0] * Loop::columns[1]);
     }
-    const L* const U = constant + values;
-    whitenBlocks<rows>(U, view.whitening, J);
-    whiten<rows>(U, view.whitening, error);
+    L ones[rows];
+    for (int r = 0; r < rows; ++r) ones[r] = L(1.0);
+    const L* const U = view.whitening == Whitening::none ? ones : constant + values;
+    std::apply([&](auto&... block) { (whitenProduct<triangular>(U, block), ...); }, J);
+    whitenProduct<triangular>(U, error);
     L square = error(0) * error(0);
     for (int r = 1; r < rows; ++r) square += error(r) * error(r);
     storeLanes(square, squaredError + begin);
@@ -122,6 +158,17 @@ inline void productLoop(const BatchView& view, int first, int count, const Produ
       addSquare<L>(std::get<1>(J), error, targets.records[1] + at);
       writeCross<L>(std::get<0>(J), std::get<1>(J), targets.flipped[0] + at, targets.blocks[0] + at);
     }
+  }
+}
+
+/// The loop of the batch's whitening: apart, so that the compiler sees which blocks stay zero.
+template <typename E, typename L, bool analytic>
+inline void productLoop(const BatchView& view, int first, int count, const ProductTargets& targets,
+                        double* squaredError) {
+  if (view.whitening == Whitening::triangular) {
+    productLoopOf<E, L, analytic, true>(view, first, count, targets, squaredError);
+  } else {
+    productLoopOf<E, L, analytic, false>(view, first, count, targets, squaredError);
   }
 }
 

@@ -19,10 +19,10 @@ constexpr int whiteningNumbers(Whitening whitening, int rows) {
 constexpr Whitening whiteningOf(std::span<const double> triangle, int rows) {
   bool ones = true;
   std::size_t k = 0;
-  for (int r = 0; r < rows; ++r) {
-    ones = ones && triangle[k++] == 1.0;
+  for (int r = 0; r < rows; ++r, ++k) {
+    ones = ones && triangle[k] == 1.0;
     for (int c = r + 1; c < rows; ++c) {
-      if (triangle[k++] != 0.0) return Whitening::triangular;
+      if (triangle[++k] != 0.0) return Whitening::triangular;
     }
   }
   return ones ? Whitening::none : Whitening::diagonal;

@@ -1,5 +1,7 @@
 #include <quiver/solvers/assembly/diagonal_gather.h>
 
+#include <algorithm>
+
 #include <quiver/solvers/assembly/lane_products.h>
 
 namespace quiver {
@@ -65,11 +67,20 @@ void DiagonalGather::gather(int first, int last) const {
     }
     double* const block = values + blocks[static_cast<std::size_t>(variable)];
     const std::int64_t offset = problem.offset(variable);
-    for (int r = 0, at = 0; r < D; ++r) {
-      diagonal[static_cast<std::size_t>(offset + r)] = total[at];
-      for (int c = r; c < D; ++c, ++at) block[r * D + c] = block[c * D + r] = total[at];
+    // First what is contiguous: a row of the triangle is the lower part of a column.
+    double* const onDiagonal = diagonal.data() + offset;
+#pragma GCC unroll 9
+    for (int r = 0, at = 0; r < D; at += D - r++) {
+      onDiagonal[r] = total[at];
+#pragma GCC unroll 9
+      for (int c = r; c < D; ++c) block[r * D + c] = total[at + c - r];
     }
-    for (int r = 0; r < D; ++r) gradient[static_cast<std::size_t>(offset + r)] = total[D * (D + 1) / 2 + r];
+#pragma GCC unroll 9
+    for (int r = 0, at = 0; r < D; at += D - r++) {
+#pragma GCC unroll 9
+      for (int c = r + 1; c < D; ++c) block[c * D + r] = total[at + c - r];
+    }
+    std::copy_n(total + D * (D + 1) / 2, D, gradient.data() + offset);
   }
 }
 

@@ -27,6 +27,8 @@ TEST(Whitening, IsTheLeastGeneral) {
   EXPECT_EQ(whiteningOf(std::array{1.0, 1e-300, 1.0}, 2), Whitening::triangular);
   EXPECT_EQ(whiteningOf(std::array{1.0, 0.0, 0.0, 3.0, 0.0, 1.0}, 3), Whitening::diagonal);
   EXPECT_EQ(whiteningOf(std::array{1.0, 0.0, 0.0, 1.0, 0.5, 1.0}, 3), Whitening::triangular);
+  EXPECT_EQ(whiteningOf(std::array{4.0, 0.0, 0.0, 9.0, 0.0, 25.0}, 3), Whitening::diagonal);
+  EXPECT_EQ(whiteningOf(std::array{4.0, 0.0, 0.0, 9.0, 0.5, 25.0}, 3), Whitening::triangular);
   EXPECT_EQ(whiteningOf(std::array{1.0 + std::numeric_limits<double>::epsilon()}, 1), Whitening::diagonal);
 }
 
