@@ -16,8 +16,11 @@
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
 #  define QUIVER_NATIVE_LANES 1
 #  define QUIVER_LANES_ALIGNMENT 64
-#  define QUIVER_TARGET_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma")))
-#  define QUIVER_TARGET_AVX2 __attribute__((target("avx2,fma")))
+// With prfchw, lines that another core wrote last come over once, to be written, not first to be read and then again.
+// Machines that lack the instruction take it for a no-operation.
+#  define QUIVER_TARGET_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma,prfchw")))
+#  define QUIVER_TARGET_AVX2 __attribute__((target("avx2,fma,prfchw")))
+#  define QUIVER_TARGET_PREFETCH __attribute__((target("prfchw")))
 #  define QUIVER_TARGET_GENERIC
 // A sanitizer's checks in a loop that has pulled in everything take minutes to compile: there, calls stay calls, and
 // loops exist for AVX2 alone (QUIVER_EVERY_INSTRUCTION_SET is 0).
@@ -39,6 +42,7 @@
 #  define QUIVER_LANES_ALIGNMENT 8
 #  define QUIVER_TARGET_AVX512
 #  define QUIVER_TARGET_AVX2
+#  define QUIVER_TARGET_PREFETCH
 #  define QUIVER_TARGET_GENERIC
 #  define QUIVER_FOLD_ZEROS
 #  define QUIVER_COLD

@@ -46,7 +46,7 @@ void DiagonalGather::run(int begin, int end) const {
 }
 
 template <int D>
-void DiagonalGather::gather(int first, int last) const {
+QUIVER_TARGET_PREFETCH void DiagonalGather::gather(int first, int last) const {
   constexpr int size = LaneProducts::squareSize(D);
   double* const values = matrix.values().data();
   for (int variable = first; variable < last; ++variable) {
