@@ -356,10 +356,11 @@ void BlockCholesky::backwardNode(int node, const Column& column) {
   if (front.leaf) {
     const int b = plan_.leafDimension;
     double* subtree = v + storage.paddedRows;
-    double* outside = subtree + front.columns / b * leafStride(b);
+    const int place = leafPlace(b);
+    double* outside = subtree + front.columns / b * place;
     for (const ScalarSpan& span : plan_.spansOf(node)) {
-      for (int i = 0; i < span.length; i += b, outside += leafStride(b))
-        std::copy_n(column.x + span.begin + i, b, outside);
+      for (int i = 0; i < span.length; i += b, outside += place)
+        std::fill(std::copy_n(column.x + span.begin + i, b, outside), outside + place, 0.0);
     }
     kernels_.leafBackward[b](plan_.leafOf(node), values_.data() + storage.values, inverse_.data() + storage.scalar, x,
                              subtree);

@@ -190,11 +190,11 @@ void FactorPlanBuilder::layOutLeaf(int node, NodeStorage& storage) {
   plan_.leafDimension = dimension(tree_->order[leaf.firstBlock]);
   for (const int row : rowsBelow(node)) scratch_[row] = storage.outside++;  // of the block rows outside
   const int blocks = leaf.lastBlock - leaf.firstBlock + storage.outside;
-  plan_.workspaceCount += ceil8(blocks * leafStride(plan_.leafDimension));
+  plan_.workspaceCount += ceil8(blocks * leafPlace(plan_.leafDimension));
   std::int32_t offset = 0;
   for (int column = leaf.firstBlock; column < leaf.lastBlock; ++column) addLeafColumn(node, column, offset);
   storage.panelCount = addLeafPanels(plan_, node);
-  plan_.valueCount += ceil8(offset);
+  plan_.valueCount += ceil8(offset + 8);
 }
 
 void FactorPlanBuilder::addLeafColumn(int node, int column, std::int32_t& offset) {
@@ -214,16 +214,16 @@ void FactorPlanBuilder::addLeafColumn(int node, int column, std::int32_t& offset
   plan_.leafPositions.resize(first + rows.size(), 0);
   std::int32_t* const places = plan_.leafRows.data() + first;
   std::int32_t* const positions = plan_.leafPositions.data() + first;
-  const int stride = leafStride(b);
+  const int place = leafPlace(b);
   std::size_t i = 0;
   for (; i < rows.size() && tree_->position[rows[i]] < leaf.lastBlock; ++i) {
     const int target = tree_->position[rows[i]] - leaf.firstBlock;
     targets_.push_back(target);
-    places[i] = target * stride;
+    places[i] = target * place;
   }
   entry.inside = static_cast<std::int32_t>(i);
   for (; i < rows.size(); ++i) {
-    places[i] = (columns + scratch_[rows[i]]) * stride;
+    places[i] = (columns + scratch_[rows[i]]) * place;
     positions[i] = scratch_[rows[i]] * b;
   }
   entry.destinations = narrow(destinations_);
@@ -247,8 +247,8 @@ void FactorPlanBuilder::listDestinations() {
 /// their blocks lie is spread out once, and looked up by all columns that meet them.
 void FactorPlanBuilder::addLeafDestinations(int node, const int* target) {
   const TreeNode& leaf = plan_.nodes[node];
-  const int stride = leafStride(plan_.leafDimension);
-  const int size = plan_.leafDimension * stride;
+  const int rowPlace = leafPlace(plan_.leafDimension);
+  const int size = plan_.leafDimension * leafStride(plan_.leafDimension);
   const int count = leaf.lastBlock - leaf.firstBlock;
   const LeafColumn* columns = plan_.leafColumns.data() + plan_.storage[node].leafColumns;
   std::vector<int> begin(count + 1, 0);  // of the list of a target's meetings
@@ -261,11 +261,11 @@ void FactorPlanBuilder::addLeafDestinations(int node, const int* target) {
   for (int j = 0; j < count; ++j) {
     for (int q = 0; q < columns[j].inside; ++q) meetings[next[*target++]++] = {j, q};
   }
-  std::vector<std::int32_t> place((count + plan_.storage[node].outside) * stride);  // by row, as leafRows has them
+  std::vector<std::int32_t> place((count + plan_.storage[node].outside) * rowPlace);  // by row, as leafRows has them
   for (int t = 0; t < count; ++t) {
     if (begin[t] == begin[t + 1]) continue;
     std::int32_t offset = columns[t].values;
-    place[t * stride] = offset;
+    place[t * rowPlace] = offset;
     for (int i = 0; i < columns[t].below; ++i) place[plan_.leafRows[columns[t].rows + i]] = offset += size;
     for (int m = begin[t]; m < begin[t + 1]; ++m) {
       const auto [j, q] = meetings[m];

@@ -239,7 +239,7 @@ TEST(FactorPlan, columnsOfAGroupDoNotWaitForEachOther) {
   int grouped = 0;
   for (const std::vector<int>& dimensions : {std::vector<int>{1}, {2}, {3}, {6}}) {
     const FactorPlan plan(largeSystem(dimensions, random).pattern(), 1);
-    const int stride = detail::leafStride(plan.leafDimension);
+    const int place = detail::leafPlace(plan.leafDimension);
     for (int node = 0; node < static_cast<int>(plan.nodes.size()); ++node) {
       if (!plan.nodes[static_cast<std::size_t>(node)].leaf) continue;
       const detail::LeafView leaf = plan.leafOf(node);
@@ -251,7 +251,7 @@ TEST(FactorPlan, columnsOfAGroupDoNotWaitForEachOther) {
         for (int j = first; j < end; ++j) {
           const detail::LeafColumn& column = leaf.columns[j];
           EXPECT_TRUE(j == first || column.group == 0);
-          for (int i = 0; i < column.inside; ++i) EXPECT_GE(leaf.rows[column.rows + i], end * stride);
+          for (int i = 0; i < column.inside; ++i) EXPECT_GE(leaf.rows[column.rows + i], end * place);
         }
       }
     }

@@ -4,12 +4,23 @@
 template <int b>
 struct LeafBlock {
   static constexpr int stride = leafStride(b);
-  static constexpr int lanes =
-      stride % 8 == 0 && width == 8 ? 8 : smaller(stride % 4 == 0 ? 4 : stride, larger(width, 1));
-  static constexpr int vectors = stride / lanes;
+  static constexpr int place = leafPlace(b);
+  static constexpr bool padded = stride == place;
+  static constexpr int lanes = place % 8 == 0 && width == 8 ? 8 : smaller(place % 4 == 0 ? 4 : place, larger(width, 1));
+  static constexpr int vectors = place / lanes;
   static constexpr int size = stride * b;
   using Vector = typename VectorOf<lanes>::Type;
 };
+
+/// Copies the columns of a block of H.
+template <int b, int k = 0>
+inline __attribute__((always_inline)) void copyBlock(double* to, const double* from) {
+  if constexpr (k < b * b) {
+    constexpr int lanes = LeafBlock<b>::lanes;
+    storeFirst<lanes, smaller(lanes, b * b - k)>(to + k, loadFirst<lanes, smaller(lanes, b * b - k)>(from + k));
+    copyBlock<b, k + lanes>(to, from);
+  }
+}
 
 template <int b, int v = 0>
 inline __attribute__((always_inline)) void padColumn(double* to, const double* from) {
@@ -24,6 +35,7 @@ template <int b>
 void leafLoad(const LeafView& leaf, const LoadEntry* loads, const std::int64_t* begin, const double* source,
               double* values) {
   using Block = LeafBlock<b>;
+  // The last vector may reach into the next block, whose turn comes after.
   const auto clear = [](double* block, const double* end) {
     for (; block != end; block += Block::size) {
 #pragma GCC unroll 32
@@ -38,11 +50,30 @@ void leafLoad(const LeafView& leaf, const LoadEntry* loads, const std::int64_t* 
       double* const block = values + loads[k].destination;
       const double* const from = source + loads[k].source;
       clear(next, block);
+      if constexpr (Block::padded) {
 #pragma GCC unroll 9
-      for (int c = 0; c < b; ++c) padColumn<b>(block + c * Block::stride, from + c * b);
+        for (int c = 0; c < b; ++c) padColumn<b>(block + c * Block::stride, from + c * b);
+      } else {
+        copyBlock<b>(block, from);
+      }
       next = block + Block::size;
     }
     clear(next, end);
+  }
+}
+
+/// Where numbers go: to blocks with their padding, or into a matrix whose next rows follow at once.
+enum class Target { block, matrix };
+
+/// Vector v of a block's column is written. In a matrix nothing is written behind the block: reading the next block
+/// would wait until that has left the store buffer.
+template <int b, Target target, int v = 0>
+inline __attribute__((always_inline)) void storeColumn(double* p, const typename LeafBlock<b>::Vector* values) {
+  using Block = LeafBlock<b>;
+  if constexpr (v < Block::vectors) {
+    constexpr int count = target == Target::block && Block::padded ? Block::lanes : b - v * Block::lanes;
+    if constexpr (count > 0) storeFirst<Block::lanes, count>(p + v * Block::lanes, values[v]);
+    storeColumn<b, target, v + 1>(p, values);
   }
 }
 
@@ -59,23 +90,8 @@ inline __attribute__((always_inline)) void scaleBlock(double* x, const double* d
 #pragma GCC unroll 9
       for (int k = 0; k < c; ++k) value -= columns[k][v] * diagonal[k * Block::stride + c];
       columns[c][v] = value * inverse[c];
-      store<Block::lanes>(x + c * Block::stride + v * Block::lanes, columns[c][v]);
     }
-  }
-}
-
-/// Where products go: to blocks with their padding, or into a matrix whose next rows follow at once.
-enum class Target { block, matrix };
-
-/// Vector v of a block's column is written. In a matrix nothing is written behind the block: reading the next block
-/// would wait until that has left the store buffer.
-template <int b, Target target, int v = 0>
-inline __attribute__((always_inline)) void storeColumn(double* p, const typename LeafBlock<b>::Vector* values) {
-  using Block = LeafBlock<b>;
-  if constexpr (v < Block::vectors) {
-    constexpr int count = target == Target::block ? Block::lanes : b - v * Block::lanes;
-    if constexpr (count > 0) storeFirst<Block::lanes, count>(p + v * Block::lanes, values[v]);
-    storeColumn<b, target, v + 1>(p, values);
+    storeColumn<b, Target::block>(x + c * Block::stride, columns[c]);
   }
 }
 
@@ -279,10 +295,10 @@ inline __attribute__((always_inline)) void copyBlocks(double* to, int strideTo, 
 /// The same into padded blocks.
 template <int b>
 inline __attribute__((always_inline)) void padBlocks(double* to, const double* from, int count) {
-  constexpr int stride = leafStride(b);
-  for (int i = 0; i < count; ++i, to += stride, from += b) {
+  constexpr int place = leafPlace(b);
+  for (int i = 0; i < count; ++i, to += place, from += b) {
 #pragma GCC unroll 12
-    for (int r = 0; r < stride; ++r) to[r] = r < b ? from[r] : 0.0;
+    for (int r = 0; r < place; ++r) to[r] = r < b ? from[r] : 0.0;
   }
 }
 
@@ -290,14 +306,14 @@ template <int b>
 void leafForward(const LeafView& leaf, const double* values, const double* inverse, double* x, double* v,
                  double* update) {
   using Block = LeafBlock<b>;
-  double* outside = v + leaf.count * Block::stride;
+  double* outside = v + leaf.count * Block::place;
   padBlocks<b>(v, x, leaf.count);
-  for (int i = 0; i < leaf.outside * Block::stride; ++i) outside[i] = 0.0;
+  for (int i = 0; i < leaf.outside * Block::place; ++i) outside[i] = 0.0;
   for (int j = 0; j < leaf.count; ++j) {
     const LeafColumn& column = leaf.columns[j];
     const double* block = values + column.values;
     const double* reciprocal = inverse + column.scalar;
-    double* own = v + j * Block::stride;
+    double* own = v + j * Block::place;
     double y[b];
 #pragma GCC unroll 9
     for (int c = 0; c < b; ++c) {
@@ -320,8 +336,8 @@ void leafForward(const LeafView& leaf, const double* values, const double* inver
       }
     }
   }
-  copyBlocks<b>(x, b, v, Block::stride, leaf.count);
-  copyBlocks<b>(update, b, outside, Block::stride, leaf.outside);
+  copyBlocks<b>(x, b, v, Block::place, leaf.count);
+  copyBlocks<b>(update, b, outside, Block::place, leaf.outside);
 }
 
 inline double sumOfLanes(double v) { return v; }
@@ -358,7 +374,7 @@ void leafBackward(const LeafView& leaf, const double* values, const double* inve
           sums[c] += load<Block::lanes>(block + c * Block::stride + k * Block::lanes) * values;
       }
     }
-    double* own = v + j * Block::stride;
+    double* own = v + j * Block::place;
     double y[b];
 #pragma GCC unroll 9
     for (int c = 0; c < b; ++c) y[c] = own[c] - sumOfLanes(sums[c]);
@@ -376,5 +392,5 @@ void leafBackward(const LeafView& leaf, const double* values, const double* inve
       for (int c = 0; c < b; ++c) own[c] = solution[c];
     }
   }
-  copyBlocks<b>(x, b, v, Block::stride, leaf.count);
+  copyBlocks<b>(x, b, v, Block::place, leaf.count);
 }

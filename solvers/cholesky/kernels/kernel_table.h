@@ -61,13 +61,14 @@ struct LeafPanel {
   std::int32_t runCount;
 };
 
-/// A subtree whose block columns are stored one by one: blocks of dimension b as b columns of `leafStride(b)` doubles.
+/// A subtree whose block columns are stored one by one: blocks of dimension b as b columns of `leafStride(b)` doubles,
+/// eight more behind the last.
 struct LeafView {
   const LeafColumn* columns;
   std::int32_t count;
   /// Block rows outside, below all columns.
   std::int32_t outside;
-  /// Each block row's place in a vector of the subtree: `count` + `outside` blocks of leafStride(b) doubles, padded
+  /// Each block row's place in a vector of the subtree: `count` + `outside` blocks of leafPlace(b) doubles, padded
   /// with zeros.
   const std::int32_t* rows;
   /// Row of each outside block in the update matrix.
@@ -139,8 +140,12 @@ struct KernelTable {
                                                  double* x, double* v);
 };
 
-/// Doubles between the columns of a leaf block of dimension b.
-constexpr int leafStride(int b) { return b <= 2 ? b : (b + 3) / 4 * 4; }
+/// Doubles that b numbers take in vectors: of a column of a leaf block in registers, or of a block row in a vector of the
+/// subtree.
+constexpr int leafPlace(int b) { return b <= 2 ? b : (b + 3) / 4 * 4; }
+/// Doubles between the columns of a leaf block of dimension b. Blocks of dimension 5, 6 and 7 are stored without
+/// padding: what is read behind a column belongs to the next one.
+constexpr int leafStride(int b) { return b >= 5 && b <= 7 ? b : leafPlace(b); }
 
 // Of internal linkage, so that no instruction set's version serves for others.
 namespace {
