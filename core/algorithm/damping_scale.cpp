@@ -10,7 +10,10 @@ namespace {
 /// Least entry of D as a share of the largest of its coordinate, and the largest number.
 constexpr double leastShare = 1e-14;
 constexpr double most = 1e32;
-/// Where no vertex of the type is measured in a coordinate, any positive number keeps them in place.
+/// What rounding leaves of a coordinate that moves no error, as a share of the largest entry of any coordinate of the
+/// type: a derivative of 3e-15 of another. Units differ by less.
+constexpr double rounding = 1e-29;
+/// Where no vertex of the type is measured in any coordinate, any positive number keeps them in place.
 constexpr double unmeasured = 1.0;
 /// Bounds are repeated so often that loops over several variables are loops over vectors.
 constexpr std::size_t repeats = 8;
@@ -37,10 +40,15 @@ void DampingScale::update(std::span<const double> diagonal) {
       const std::size_t count = std::min(period, own.end - begin);
       for (std::size_t k = 0; k < count; ++k) bounds[k] = std::max(bounds[k], diagonal[begin + k]);
     }
+    const double ofAll = *std::max_element(bounds, bounds + period);
     for (std::size_t c = 0; c < own.dimension; ++c) {
       double largest = 0.0;
       for (std::size_t k = c; k < period; k += own.dimension) largest = std::max(largest, bounds[k]);
-      const double least = largest > 0.0 ? std::min(most, leastShare * largest) : unmeasured;
+      // A coordinate that nothing measures is as stiff as the best measured one.
+      const bool measured = largest > rounding * ofAll;
+      const double least = measured      ? std::min(most, leastShare * largest)
+                           : ofAll > 0.0 ? std::min(most, ofAll)
+                                         : unmeasured;
       for (std::size_t k = c; k < period; k += own.dimension) bounds[k] = least;
     }
   }

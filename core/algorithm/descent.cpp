@@ -9,6 +9,7 @@
 #include <quiver/core/algorithm/diagnosis.h>
 #include <quiver/core/algorithm/gradient_size.h>
 #include <quiver/core/algorithm/graph_watch.h>
+#include <quiver/core/algorithm/telling_damping.h>
 #include <quiver/core/util/pieces.h>
 
 namespace quiver {
@@ -201,7 +202,9 @@ bool Descent::stopRuleMet(double costBefore) {
     finish(Status::converged, "the cost is zero");
     return true;
   }
-  if (change < options_.costTolerance * std::abs(totals_.cost) && !(damping_ == 0.0 && goesToAndFro(costBefore))) {
+  const bool shortened = damping_ > detail::mostTellingDamping;
+  if (!shortened && change < options_.costTolerance * std::abs(totals_.cost) &&
+      !(damping_ == 0.0 && goesToAndFro(costBefore))) {
     finish(Status::converged, ShortText("the cost changed by {:.2e} of itself, less than {:.0e} is asked",
                                         change / totals_.cost, options_.costTolerance));
     return true;
@@ -221,7 +224,7 @@ bool Descent::stopRuleMet(double costBefore) {
                                         options_.gradientTolerance));
     return true;
   }
-  if (relativeStep_ < options_.stepTolerance && costRests(costBefore)) {
+  if (!shortened && relativeStep_ < options_.stepTolerance && costRests(costBefore)) {
     finish(Status::converged, ShortText("the step is {:.2e} of the estimate, less than {:.0e} is asked", relativeStep_,
                                         options_.stepTolerance));
     return true;

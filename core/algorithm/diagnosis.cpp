@@ -206,10 +206,10 @@ std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const 
     return fmt::format(
         "a component of {} vertices may move as a whole in {} direction{}, since nothing ties it to the world: fix "
         "vertex {} ({}; {}) "
-        "with --fix {}, or use --gauge fix{}",
+        "with --fix {}{}{}",
         gauge.variables.size(), gauge.free, gauge.free == 1 ? "" : "s", problem.vertex(slot).id(),
         problem.vertexType(slot).tag(), join(problem.vertexType(slot).tangentNames(problem.dimension(gauge.anchor))),
-        problem.vertex(slot).id(), damping);
+        problem.vertex(slot).id(), problem.anyHeldDirections() ? "" : ", or use --gauge fix", damping);
   }
   if (std::string found = describeNullSpace(problem, system, damping); !found.empty()) return found;
   if (outcome.variable < 0) return "the linear system is not positive definite";

@@ -5,6 +5,7 @@
 
 #include <quiver/core/algorithm/damping_scale.h>
 #include <quiver/core/algorithm/descent.h>
+#include <quiver/core/algorithm/telling_damping.h>
 #include <quiver/core/util/lane_sums.h>
 #include <quiver/core/util/pieces.h>
 
@@ -89,7 +90,8 @@ void levenbergMarquardt(Descent& descent) {
     descent.reject();
     // A promise made small by damping alone proves nothing: only the first trial from an estimate counts.
     if (failures == 0 && descent.atRest(outcome.ok())) return descent.finishAtRest();
-    if (failures++ == 0 && predicted > 0.0 && predicted <= descent.options().costTolerance * descent.totals().cost)
+    if (failures++ == 0 && predicted > 0.0 && damping.value() <= detail::mostTellingDamping &&
+        predicted <= descent.options().costTolerance * descent.totals().cost)
       return descent.finishWithoutProspect(predicted);
     damping.fail();
     if (damping.hopeless()) {

@@ -36,6 +36,7 @@ Assembler::Assembler(const Problem& problem, BlockMatrix& matrix, std::vector<in
       shared_(plan_.sharedNumbers() + 8, false) {
   makeKernels();
   totals_.resize(plan_.pieces().size());
+  held_.resize(plan_.pieces().size(), 0);
   diagonalBlocks_.reserve(position_.size());
   for (const int place : position_) diagonalBlocks_.push_back(matrix.offset(matrix.pattern().columnBegin(place)));
   placeAddresses(matrix);
@@ -88,6 +89,7 @@ CostTotals Assembler::assemble(const State& state, BlockMatrix& matrix, std::spa
                                std::span<double> diagonal, PhaseSeconds& seconds) {
   Stopwatch watch;
   if (matrix.values().data() != placed_) placeAddresses(matrix);
+  findHeldPieces();
   const auto tasks = static_cast<std::int64_t>(workspaces_.size());
   const auto count = static_cast<std::int64_t>(totals_.size());
   parallelFor(tasks, threads_, [&](std::int64_t task) {
@@ -122,10 +124,24 @@ void Assembler::addSharedBlocks(BlockMatrix& matrix) const {
   }
 }
 
+/// Pieces that have a record of a variable of which directions are held.
+void Assembler::findHeldPieces() {
+  std::fill(held_.begin(), held_.end(), char{0});
+  if (!problem_->anyHeldDirections()) return;
+  const auto& pieces = plan_.pieces();
+  for (int v = 0; v < problem_->variables(); ++v) {
+    if (problem_->heldDirections(v) == 0) continue;
+    for (std::int64_t i = plan_.gatherBegin(v); i < plan_.gatherBegin(v + 1); ++i) {
+      const auto after = std::ranges::upper_bound(pieces, plan_.gathered(i), {}, &Piece::recordBegin);
+      held_[static_cast<std::size_t>(after - pieces.begin() - 1)] = 1;
+    }
+  }
+}
+
 CostTotals Assembler::linearizePiece(const State& state, BlockMatrix& matrix, std::size_t index, Workspace& work) {
   const Piece& piece = plan_.pieces()[index];
   std::fill(records_.data() + piece.recordBegin, records_.data() + piece.recordEnd, 0.0);
-  if (!problem_->batch(piece.batch).addsProducts() || problem_->anyHeldDirections())
+  if (!problem_->batch(piece.batch).addsProducts() || held_[index] != 0)
     return spreadPanels(state, matrix, piece, work);
   double* nowhere = nowhere_.data() + static_cast<std::int64_t>(index) * nowhereNumbers_;
   std::fill(nowhere, nowhere + nowhereNumbers_, 0.0);

@@ -47,6 +47,7 @@ class Assembler {
 
   void makeKernels();
   void placeAddresses(BlockMatrix& matrix);
+  void findHeldPieces();
   CostTotals linearizePiece(const State& state, BlockMatrix& matrix, std::size_t index, Workspace& work);
   CostTotals multiplyPiece(const State& state, const Piece& piece);
   CostTotals spreadPanels(const State& state, BlockMatrix& matrix, const Piece& piece, Workspace& work);
@@ -65,6 +66,7 @@ class Assembler {
   InstructionSet set_ = InstructionSet::generic;
   std::vector<BatchKernels> kernels_;
   std::vector<CostTotals> totals_;  // of each piece
+  std::vector<char> held_;          // of each piece: whether directions of its variables are held
   std::vector<Workspace> workspaces_;
   std::vector<std::int32_t> counting_;
   AlignedBuffer records_;

@@ -238,5 +238,28 @@ TEST(FalseConvergence, ARejectedStepIsNoEndWhileTheCostFollowsItsGradient) {
   }
 }
 
+/// Its Jacobian has one sign wrong, so steps lower nothing until damping has made them too short to be seen.
+class EdgeWrongSign : public BaseEdge<EdgeWrongSign, 2, Vector<double, 2>, VertexPoint> {
+ public:
+  template <typename S>
+  static Vector<S, 2> computeError(const Vector<S, 2>& z, const Vector<S, 2>& x) {
+    return Vector<S, 2>(x - z);
+  }
+  static void linearizeOplus(const Vector<double, 2>&, const Vector<double, 2>&, Matrix<double, 2, 2>& J) {
+    J << 1.0, 0.0, 0.0, -1.0;
+  }
+};
+
+TEST(FalseConvergence, StepsThatDampingMadeShortAreNoEnd) {
+  auto registry = makeRegistry();
+  registry->addEdge<EdgeWrongSign>("EDGE_WRONG_SIGN");
+  Graph graph(registry);
+  graph.addVertex<VertexPoint>(0, Vector<double, 2>(1.001, 1.0));
+  graph.addEdge<EdgeWrongSign>({0}, Vector<double, 2>(0.0, 0.0), Matrix<double, 2, 2>::Identity());
+  const Summary summary = optimize(graph, {.algorithm = "lm"});
+  EXPECT_GT(summary.finalChi2, 1.9);  // else the case shows nothing
+  EXPECT_NE(summary.status, Status::converged) << summary.reason;
+}
+
 }  // namespace
 }  // namespace quiver

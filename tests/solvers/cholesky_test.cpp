@@ -6,6 +6,10 @@
 #include <cstring>
 #include <numeric>
 
+#ifdef __GLIBC__
+#  include <malloc.h>
+#endif
+
 #include <quiver/core/util/error.h>
 #include <quiver/solvers/cholesky/arena_planner.h>
 #include <quiver/solvers/cholesky/kernels/kernel_table.h>
@@ -230,6 +234,43 @@ TEST(BlockCholesky, forgetsTheFactorBefore) {
     BlockCholesky fresh;
     fresh.analyze(pattern, 2);
     EXPECT_EQ(solved(used), solved(fresh));
+  }
+}
+
+/// While it lives, memory comes filled with what is not a number, where the C library can do that.
+class SoiledMemory {
+ public:
+  SoiledMemory() { set(0x100); }  // the complement of its last byte
+  ~SoiledMemory() { set(0); }
+  SoiledMemory(const SoiledMemory&) = delete;
+  SoiledMemory& operator=(const SoiledMemory&) = delete;
+
+ private:
+  static void set([[maybe_unused]] int value) {
+#ifdef __GLIBC__
+    mallopt(M_PERTURB, value);
+#endif
+  }
+};
+
+/// Memory is not cleared before it is used, and vectors reach behind what counts.
+TEST(BlockCholesky, DoesNotDependOnWhatMemoryHeld) {
+  std::mt19937 random(24);
+  for (int round = 0; round < 8; ++round) {
+    for (const int b : {1, 2, 3, 4, 5, 6, 7, 8, 9}) {
+      const int blocks = 100 + static_cast<int>(random() % 300);
+      const BlockMatrix matrix = largeSystem({b}, random, blocks);
+      const auto pattern = std::make_shared<const BlockPattern>(matrix.pattern());
+      for (const detail::KernelLevel level : detail::availableKernelLevels()) {
+        const SoiledMemory soiled;
+        BlockCholesky solver(level);
+        solver.analyze(pattern, 1);
+        ASSERT_TRUE(solver.factorize(matrix, {}).ok());
+        std::vector<double> x(static_cast<std::size_t>(pattern->layout().scalars()), 1.0);
+        solver.solve(x);
+        ASSERT_TRUE(std::ranges::all_of(x, [](double v) { return std::isfinite(v); })) << b << " " << blocks;
+      }
+    }
   }
 }
 

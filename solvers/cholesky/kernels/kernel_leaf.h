@@ -42,10 +42,9 @@ void leafLoad(const LeafView& leaf, const LoadEntry* loads, const std::int64_t* 
       for (int k = 0; k < Block::size; k += Block::lanes) store<Block::lanes>(block + k, typename Block::Vector{});
     }
   };
+  double* next = values;  // columns follow each other
   for (int j = 0; j < leaf.count; ++j) {
-    const LeafColumn& column = leaf.columns[j];
-    double* next = values + column.values;
-    double* const end = next + (column.below + 1) * Block::size;
+    double* const end = next + (leaf.columns[j].below + 1) * Block::size;
     for (std::int64_t k = begin[j]; k < begin[j + 1]; ++k) {
       double* const block = values + loads[k].destination;
       const double* const from = source + loads[k].source;
@@ -59,7 +58,10 @@ void leafLoad(const LeafView& leaf, const LoadEntry* loads, const std::int64_t* 
       next = block + Block::size;
     }
     clear(next, end);
+    next = end;
   }
+  // What vectors reach behind the last block is multiplied by zeros: it must be finite.
+  for (int k = 0; k < 8; ++k) next[k] = 0.0;
 }
 
 /// Where numbers go: to blocks with their padding, or into a matrix whose next rows follow at once.

@@ -140,8 +140,8 @@ struct KernelTable {
                                                  double* x, double* v);
 };
 
-/// Doubles that b numbers take in vectors: of a column of a leaf block in registers, or of a block row in a vector of the
-/// subtree.
+/// Doubles that b numbers take in vectors: of a column of a leaf block in registers, or of a block row in a vector of
+/// the subtree.
 constexpr int leafPlace(int b) { return b <= 2 ? b : (b + 3) / 4 * 4; }
 /// Doubles between the columns of a leaf block of dimension b. Blocks of dimension 5, 6 and 7 are stored without
 /// padding: what is read behind a column belongs to the next one.
