@@ -91,7 +91,19 @@ class Sim3 {
     return m;
   }
   /// J_l with Exp(x + d) = Exp(J_l d) Exp(x) to first order.
-  static Matrix<S, 7, 7> leftJacobian(const Vector<S, 7>& x) { return integratedExponential<7>(smallAdjoint(x)); }
+  static Matrix<S, 7, 7> leftJacobian(const Vector<S, 7>& x) {
+    const Matrix<S, 7, 7> A = smallAdjoint(x);
+    const AdjointBlocks sum =
+        integratedExponential({A.template block<3, 3>(0, 0), A.template block<3, 3>(0, 3), A.template block<3, 3>(3, 3),
+                               A.template block<3, 1>(0, 6), S(0.0)});
+    Matrix<S, 7, 7> m = Matrix<S, 7, 7>::Zero();
+    m.template block<3, 3>(0, 0) = sum.a;
+    m.template block<3, 3>(0, 3) = sum.b;
+    m.template block<3, 1>(0, 6) = sum.c;
+    m.template block<3, 3>(3, 3) = sum.d;
+    m(6, 6) = sum.e;
+    return m;
+  }
   /// J_r with Exp(x + d) = Exp(x) Exp(J_r d) to first order; equals J_l(-x).
   static Matrix<S, 7, 7> rightJacobian(const Vector<S, 7>& x) { return leftJacobian(-x); }
   /// J_l^-1 from J_l = [P Q q; 0 J 0; 0 0 1].
@@ -138,22 +150,30 @@ class Sim3 {
     }
     return SO3<S>::combine(S(sum.identity - t * sum.square), sum.skew, sum.square, phi);
   }
-  /// The sum of A^k / (k+1)!, the integral of exp(u A) over [0, 1].
-  template <int N>
-  static Matrix<S, N, N> integratedExponential(const Matrix<S, N, N>& a) {
-    Matrix<S, N, N> x = a * S(1.0 / (1 << doublings));
-    Matrix<S, N, N> sum = Matrix<S, N, N>::Identity();
-    for (int k = terms; k >= 1; --k) {
-      const Matrix<S, N, N> product = x * sum;
-      sum = product * S(1.0 / (k + 1));
-      for (int i = 0; i < N; ++i) sum(i, i) += S(1.0);
+  /// [a b c; 0 d 0; 0 0 e]: the form of adjoints, closed under products.
+  struct AdjointBlocks {
+    Matrix<S, 3, 3> a, b, d;
+    Vector<S, 3> c;
+    S e;
+    AdjointBlocks times(const AdjointBlocks& o) const {
+      return {a * o.a, a * o.b + b * o.d, d * o.d, a * o.c + c * o.e, e * o.e};
     }
+    AdjointBlocks scaled(const S& f) const { return {a * f, b * f, d * f, c * f, e * f}; }
+    AdjointBlocks plus(const AdjointBlocks& o) const { return {a + o.a, b + o.b, d + o.d, c + o.c, e + o.e}; }
+    static AdjointBlocks identity() {
+      return {Matrix<S, 3, 3>::Identity(), Matrix<S, 3, 3>::Zero(), Matrix<S, 3, 3>::Identity(), Vector<S, 3>::Zero(),
+              S(1.0)};
+    }
+  };
+  /// The sum of A^k / (k+1)!, the integral of exp(u A) over [0, 1].
+  static AdjointBlocks integratedExponential(const AdjointBlocks& A) {
+    AdjointBlocks x = A.scaled(S(1.0 / (1 << doublings)));
+    AdjointBlocks sum = AdjointBlocks::identity();
+    for (int k = terms; k >= 1; --k) sum = AdjointBlocks::identity().plus(x.times(sum).scaled(S(1.0 / (k + 1))));
     for (int k = 0; k < doublings; ++k) {
       // F(2X) = (I + exp X) F(X) / 2 with exp X = I + X F(X).
-      const Matrix<S, N, N> growth = x * sum;
-      const Matrix<S, N, N> product = growth * sum;
-      sum += product * S(0.5);
-      x *= S(2.0);
+      sum = sum.plus(x.times(sum).times(sum).scaled(S(0.5)));
+      x = x.scaled(S(2.0));
     }
     return sum;
   }

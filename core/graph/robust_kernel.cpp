@@ -14,6 +14,13 @@ RobustKernel::RobustKernel(const RobustKernelType& type, double width, double sh
     throw GraphError(fmt::format("robust kernel {}: width {} and shape {}; the width must be positive, both finite",
                                  type.name, width, shape));
   }
+  // Kernels compute with the width's square and with its inverse.
+  if (!std::isnormal(width * width) || !std::isnormal(1.0 / (width * width))) {
+    throw GraphError(
+        fmt::format("robust kernel {}: the square of width {} is beyond the range of numbers; an edge "
+                    "without a kernel is not held back at all",
+                    type.name, width));
+  }
 }
 
 double RobustKernelType::widthOf(double probability, int dimension) const {

@@ -151,6 +151,8 @@ struct EdgeLoop<E, std::tuple<V...>, ParameterList<P...>> {
   static void callJacobian(const E& edge, const Measurement& m, const ParameterValues<S>& p, const Estimates<S>& x,
                            Blocks<S>& J) {
     [&]<int... A, int... B>(std::integer_sequence<int, A...>, std::integer_sequence<int, B...>) {
+      // Functions write what is not zero.
+      (std::get<B>(J).setZero(), ...);
       if constexpr (Functions::template staticJacobian<S>) {
         E::linearizeOplus(m, std::get<A>(p)..., std::get<B>(x)..., std::get<B>(J)...);
       } else {

@@ -177,7 +177,7 @@ inline void productLoop(const BatchView& view, int first, int count, const Produ
 template <typename E>
 constexpr bool multipliesInLoop() {
   using Loop = EdgeLoop<E>;
-  return Loop::arity <= 2 && Loop::rows * Loop::tangent <= 96;
+  return Loop::arity <= 2 && Loop::rows * Loop::tangent <= 128;
 }
 
 }  // namespace quiver::detail

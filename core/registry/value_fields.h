@@ -28,9 +28,8 @@ struct ValueFields<double> {
 
 /// Row vectors and columns: one number an entry; matrices row by row.
 template <int R, int C, int Options>
-struct ValueFields<Eigen::Matrix<double, R, C, Options>> {
+requires(R > 0 && C > 0) struct ValueFields<Eigen::Matrix<double, R, C, Options>> {
   using Value = Eigen::Matrix<double, R, C, Options>;
-  static_assert(R > 0 && C > 0, "a value of run-time size needs `read` and `write`");
   static std::vector<Field> fields() {
     static constexpr std::array<const char*, 3> names{"x", "y", "z"};
     std::vector<Field> result;
