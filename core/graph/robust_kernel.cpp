@@ -17,8 +17,8 @@ RobustKernel::RobustKernel(const RobustKernelType& type, double width, double sh
   // Kernels compute with the width's square and with its inverse.
   if (!std::isnormal(width * width) || !std::isnormal(1.0 / (width * width))) {
     throw GraphError(
-        fmt::format("robust kernel {}: the square of width {} is beyond the range of numbers; an edge "
-                    "without a kernel is not held back at all",
+        fmt::format("robust kernel {}: the square of width {} is beyond the range of numbers; to "
+                    "switch the kernel off, leave it out",
                     type.name, width));
   }
 }

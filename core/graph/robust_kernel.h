@@ -52,7 +52,7 @@ struct RobustKernelType {
 class RobustKernel {
  public:
   RobustKernel() = default;
-  /// `type` must outlive the kernel. Throws GraphError unless width > 0 and finite.
+  /// `type` must outlive the kernel. Throws GraphError unless width > 0, and it and its square are in range.
   RobustKernel(const RobustKernelType& type, double width, double shape);
   RobustKernel(const RobustKernelType& type, double width) : RobustKernel(type, width, type.defaultShape) {}
 
