@@ -63,6 +63,10 @@ add_library(quiver_flags INTERFACE)
 target_compile_features(quiver_flags INTERFACE cxx_std_20)
 # Without interposition functions of the library call and inline each other directly: nobody replaces single ones.
 target_compile_options(quiver_flags INTERFACE -Wall -Wextra -Wno-psabi -fno-math-errno -fno-semantic-interposition)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # The compiler collects its garbage from 1 GB on: a tenth less time, for up to half more memory.
+  target_compile_options(quiver_flags INTERFACE --param=ggc-min-heapsize=1048576)
+endif()
 
 # The public include folder: build/include/quiver/<folder> links to the source folder, so that
 # <quiver/core/...> is spelled the same in the build tree and after installation.

@@ -17,6 +17,7 @@
 #include <quiver/types_slam2d/edge_se2.h>
 #include <quiver/types_slam2d/edge_se2_prior.h>
 #include <quiver/types_slam2d/edge_se2_xy.h>
+#include <quiver/types_slam2d/edge_xy.h>
 #include <quiver/types_slam2d/vertex_se2.h>
 #include <quiver/types_slam2d/vertex_xy.h>
 #include <quiver/types_slam3d/addons/euler_conversion.h>

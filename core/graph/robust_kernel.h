@@ -30,7 +30,8 @@ enum class RobustCorrection {
 /// A family of robust kernels: a constant, owned by the library or by a registry.
 struct RobustKernelType {
   std::string_view name;
-  /// ρ(e) and its derivatives by e, e = eᵀΩe ≥ 0 the squared Mahalanobis error; ρ(0) = 0, ρ'(0) = 1.
+  /// ρ(e) and its derivatives by e, e = eᵀΩe ≥ 0 the squared Mahalanobis error; ρ(0) = 0, ρ'(0) = 1,
+  /// ρ(e) ≥ 0 and ρ'(e) ≥ 0 everywhere.
   RobustValue (*evaluate)(double squaredError, double width, double shape);
   /// What the width means, with its unit, and the formula.
   std::string_view documentation;

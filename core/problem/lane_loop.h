@@ -147,12 +147,18 @@ struct EdgeLoop<E, std::tuple<V...>, ParameterList<P...>> {
     (std::make_integer_sequence<int, static_cast<int>(sizeof...(P))>(), std::make_integer_sequence<int, arity>());
   }
 
+  template <typename Block>
+  static void clear(Block& J) {
+    [&]<int... K>(std::integer_sequence<int, K...>) { ((J(K % rows, K / rows) = typename Block::Scalar(0.0)), ...); }
+    (std::make_integer_sequence<int, Block::SizeAtCompileTime>());
+  }
+
   template <typename S, typename Measurement>
   static void callJacobian(const E& edge, const Measurement& m, const ParameterValues<S>& p, const Estimates<S>& x,
                            Blocks<S>& J) {
     [&]<int... A, int... B>(std::integer_sequence<int, A...>, std::integer_sequence<int, B...>) {
-      // Functions write what is not zero.
-      (std::get<B>(J).setZero(), ...);
+      // Functions write what is not zero. Entry by entry, so that the compiler drops what they overwrite.
+      (clear(std::get<B>(J)), ...);
       if constexpr (Functions::template staticJacobian<S>) {
         E::linearizeOplus(m, std::get<A>(p)..., std::get<B>(x)..., std::get<B>(J)...);
       } else {

@@ -89,7 +89,7 @@ concept WritesItself = requires(const T& element, FieldWriter& writer) {
 inline SO3<double> rotationOf(const FieldReader& reader, double x, double y, double z, double w) {
   const double square = x * x + y * y + z * z + w * w;
   if (!std::isfinite(square)) reader.fail("a quaternion this long is no rotation");
-  if (!(square > 1e-12)) reader.fail("a quaternion of norm zero is no rotation");
+  if (!(square > 1e-12)) reader.fail("a quaternion of norm below 1e-6 is no rotation");
   return SO3<double>(x, y, z, w);
 }
 

@@ -16,11 +16,18 @@
 #include <cstdint>
 #include <type_traits>
 
-#if QUIVER_NATIVE_LANES
-#  include <immintrin.h>
-#endif
-
 namespace quiver {
+
+#if QUIVER_NATIVE_LANES
+// Compiler builtins instead of <immintrin.h>, whose 53000 lines would take half a second in every file.
+namespace detail {
+typedef double Eight __attribute__((vector_size(64)));
+typedef long long EightBits __attribute__((vector_size(64)));
+typedef double Four __attribute__((vector_size(32)));
+constexpr int toNearest = 8, down = 9;  // _MM_FROUND_*, without exceptions
+constexpr int asRoundingIsSet = 4;      // _MM_FROUND_CUR_DIRECTION
+}  // namespace detail
+#endif
 
 template <class Isa>
 class Lanes;

@@ -170,9 +170,9 @@ QUIVER_LANES_TARGET inline QUIVER_L select(const QUIVER_M& mask, const QUIVER_L&
 
 QUIVER_LANES_TARGET inline bool any(const QUIVER_M& mask) {
 #if QUIVER_LANES_NATIVE == 8
-  return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask.part(0))) != 0;
+  return __builtin_ia32_cvtq2mask512(reinterpret_cast<detail::EightBits>(mask.part(0))) != 0;
 #elif QUIVER_LANES_NATIVE == 4
-  return _mm256_movemask_pd(reinterpret_cast<__m256d>(mask.part(0) | mask.part(1))) != 0;
+  return __builtin_ia32_movmskpd256(reinterpret_cast<detail::Four>(mask.part(0) | mask.part(1))) != 0;
 #else
   std::int64_t r = 0;
   for (int k = 0; k < 8; ++k) r |= mask.v[k];
@@ -185,9 +185,10 @@ QUIVER_LANES_TARGET inline bool all(const QUIVER_M& mask) { return !any(!mask); 
 QUIVER_LANES_TARGET inline QUIVER_L sqrt(const QUIVER_L& a) {
   QUIVER_L r;
 #if QUIVER_LANES_NATIVE == 8
-  QUIVER_LANES_EACH(r.part(k) = _mm512_maskz_sqrt_pd(0xff, a.part(k)));
+  QUIVER_LANES_EACH(r.part(k) =
+                        __builtin_ia32_sqrtpd512_mask(a.part(k), detail::Eight{}, 0xff, detail::asRoundingIsSet));
 #elif QUIVER_LANES_NATIVE == 4
-  QUIVER_LANES_EACH(r.part(k) = _mm256_sqrt_pd(a.part(k)));
+  QUIVER_LANES_EACH(r.part(k) = __builtin_ia32_sqrtpd256(a.part(k)));
 #else
   QUIVER_LANES_EACH(r.part(k) = std::sqrt(a.part(k)));
 #endif
@@ -198,9 +199,10 @@ QUIVER_LANES_TARGET inline QUIVER_L sqrt(const QUIVER_L& a) {
 QUIVER_LANES_TARGET inline QUIVER_L fma(const QUIVER_L& a, const QUIVER_L& b, const QUIVER_L& c) {
   QUIVER_L r;
 #if QUIVER_LANES_NATIVE == 8
-  QUIVER_LANES_EACH(r.part(k) = _mm512_fmadd_pd(a.part(k), b.part(k), c.part(k)));
+  QUIVER_LANES_EACH(
+      r.part(k) = __builtin_ia32_vfmaddpd512_mask(a.part(k), b.part(k), c.part(k), 0xff, detail::asRoundingIsSet));
 #elif QUIVER_LANES_NATIVE == 4
-  QUIVER_LANES_EACH(r.part(k) = _mm256_fmadd_pd(a.part(k), b.part(k), c.part(k)));
+  QUIVER_LANES_EACH(r.part(k) = __builtin_ia32_vfmaddpd256(a.part(k), b.part(k), c.part(k)));
 #else
   QUIVER_LANES_EACH(r.part(k) = std::fma(a.part(k), b.part(k), c.part(k)));
 #endif
@@ -211,10 +213,10 @@ QUIVER_LANES_TARGET inline QUIVER_L fma(const QUIVER_L& a, const QUIVER_L& b, co
 QUIVER_LANES_TARGET inline QUIVER_L rint(const QUIVER_L& a) {
   QUIVER_L r;
 #if QUIVER_LANES_NATIVE == 8
-  QUIVER_LANES_EACH(r.part(k) =
-                        _mm512_maskz_roundscale_pd(0xff, a.part(k), _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
+  QUIVER_LANES_EACH(r.part(k) = __builtin_ia32_rndscalepd_mask(a.part(k), detail::toNearest, detail::Eight{}, 0xff,
+                                                               detail::asRoundingIsSet));
 #elif QUIVER_LANES_NATIVE == 4
-  QUIVER_LANES_EACH(r.part(k) = _mm256_round_pd(a.part(k), _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
+  QUIVER_LANES_EACH(r.part(k) = __builtin_ia32_roundpd256(a.part(k), detail::toNearest));
 #else
   QUIVER_LANES_EACH(r.part(k) = std::rint(a.part(k)));
 #endif
@@ -224,9 +226,10 @@ QUIVER_LANES_TARGET inline QUIVER_L rint(const QUIVER_L& a) {
 QUIVER_LANES_TARGET inline QUIVER_L floor(const QUIVER_L& a) {
   QUIVER_L r;
 #if QUIVER_LANES_NATIVE == 8
-  QUIVER_LANES_EACH(r.part(k) = _mm512_maskz_roundscale_pd(0xff, a.part(k), _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC));
+  QUIVER_LANES_EACH(r.part(k) = __builtin_ia32_rndscalepd_mask(a.part(k), detail::down, detail::Eight{}, 0xff,
+                                                               detail::asRoundingIsSet));
 #elif QUIVER_LANES_NATIVE == 4
-  QUIVER_LANES_EACH(r.part(k) = _mm256_round_pd(a.part(k), _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC));
+  QUIVER_LANES_EACH(r.part(k) = __builtin_ia32_roundpd256(a.part(k), detail::down));
 #else
   QUIVER_LANES_EACH(r.part(k) = std::floor(a.part(k)));
 #endif

@@ -80,7 +80,9 @@ QUIVER_TARGET_PREFETCH void DiagonalGather::gather(int first, int last) const {
 #pragma GCC unroll 9
       for (int c = r + 1; c < D; ++c) block[c * D + r] = total[at + c - r];
     }
-    std::copy_n(total + D * (D + 1) / 2, D, gradient.data() + offset);
+    double* const forces = gradient.data() + offset;
+#pragma GCC unroll 9
+    for (int r = 0; r < D; ++r) forces[r] = total[D * (D + 1) / 2 + r];
   }
 }
 

@@ -37,8 +37,9 @@ class DenseSolver final : public LinearSolver {
     load(matrix, damping);
     const detail::Panel panel{factor_.data(), stride_, static_cast<int>(size_), static_cast<int>(rows_),
                               inverse_.data()};
+    detail::UpcomingMemory none{};
     const detail::PanelFailure failure =
-        detail::factorPanel(kernels_, panel, size_ < smallestShared ? 1 : threads_, stop);
+        detail::factorPanel(kernels_, panel, size_ < smallestShared ? 1 : threads_, stop, none);
     if (failure.stopped) return {.outcome = SolverStatus::Outcome::interrupted};
     if (failure.column >= 0) {
       const auto [block, coordinate] = detail::ScalarColumns::locate(pattern_->layout(), failure.column);

@@ -17,6 +17,8 @@ namespace {
 constexpr int assemblyColumns = 48;
 /// Right-hand sides that go through the factor together: each node is read from far memory once for all of them.
 constexpr int columnsTogether = 4;
+/// Doubles of the next node that are fetched beforehand: a part of the second cache.
+constexpr std::int64_t mostUpcoming = 65536;
 
 /// Copies blocks to their destinations; b is their common dimension, 0 if it is known at run time only.
 template <int b>
@@ -129,7 +131,9 @@ SolverStatus BlockCholesky::factorAll(const Input& input) {
   if (first != nullptr) return statusOf(*first);
   for (const int node : schedule.top) {
     if (stop.reached()) return {.outcome = SolverStatus::Outcome::interrupted};
-    const Failure failure = factorNode(node, input, {isLargeFront(plan_.nodes[node]) ? schedule.threads : 1, nullptr});
+    UpcomingMemory none{};  // threads share the node
+    const Failure failure =
+        factorNode(node, input, {isLargeFront(plan_.nodes[node]) ? schedule.threads : 1, nullptr, none});
     if (failure.scalar >= 0) return statusOf(failure);
   }
   if (stop.reached()) return {.outcome = SolverStatus::Outcome::interrupted};
@@ -151,9 +155,17 @@ BlockCholesky::Failure BlockCholesky::factorTask(std::int64_t task, const Input&
   for (int node = begin; node < end && failure.scalar < 0; ++node) {
     if (stopped.load(std::memory_order_relaxed)) break;
     if (input.stop->reached()) stopped = true;
-    failure = factorNode(node, input, {1, arena});
+    UpcomingMemory upcoming = upcomingAfter(node, end);
+    failure = factorNode(node, input, {1, arena, upcoming});
   }
   return failure;
+}
+
+UpcomingMemory BlockCholesky::upcomingAfter(int node, int end) {
+  if (node + 1 >= end) return {};
+  const double* const begin = values_.data() + plan_.storage[node + 1].values;
+  return {begin,
+          std::min(begin + mostUpcoming, static_cast<const double*>(values_.data() + plan_.storage[node + 2].values))};
 }
 
 BlockCholesky::Failure BlockCholesky::factorNode(int node, const Input& input, const Worker& worker) {
@@ -200,8 +212,9 @@ BlockCholesky::Failure BlockCholesky::factorLeaf(int node, const Input& input, c
                        values);
   addDamping(node, input, leaf.firstBlock, leaf.lastBlock, leafStride(b));
   double pivot = 0.0;
-  const int failed = kernels_.leafFactor[b](plan_.leafOf(node), values, inverse_.data() + storage.scalar,
-                                            {update, storage.updateLayout, update + storage.updateCount}, &pivot);
+  const int failed =
+      kernels_.leafFactor[b](plan_.leafOf(node), values, inverse_.data() + storage.scalar,
+                             {update, storage.updateLayout, update + storage.updateCount}, &pivot, &worker.upcoming);
   return failed < 0 ? Failure{} : Failure{storage.scalar + failed, pivot};
 }
 
@@ -221,7 +234,7 @@ BlockCholesky::Failure BlockCholesky::factorFront(int node, const Input& input, 
   const NodeStorage& storage = plan_.storage[node];
   const Panel panel{values_.data() + storage.values, storage.stride, front.columns,
                     storage.paddedColumns + storage.paddedRows, inverse_.data() + storage.scalar};
-  const PanelFailure failure = factorPanel(kernels_, panel, threads, *input.stop);
+  const PanelFailure failure = factorPanel(kernels_, panel, threads, *input.stop, worker.upcoming);
   if (failure.column >= 0) return {storage.scalar + failure.column, failure.pivot};
   if (failure.stopped || front.rows == 0) return {};
   const int width = storage.updateLayout.width;
@@ -259,7 +272,7 @@ void BlockCholesky::formUpdate(int node, const Worker& worker, int strip) {
   const double* below = values_.data() + storage.values + shift;
   double* update = updateOf(node, worker) + stripBegin(layout, strip);
   kernels_.formUpdate(update, stripStride(layout, strip), below, storage.stride, front.columns, end - begin,
-                      storage.paddedRows - begin);
+                      storage.paddedRows - begin, &worker.upcoming);
   for (const int child : plan_.childrenOf(node)) {
     const std::span<const RowRun> runs = plan_.runsOf(child);
     kernels_.addChild(updateOf(child, worker), plan_.storage[child].updateLayout, runs.data(),

@@ -52,10 +52,12 @@ class BlockCholesky final : public LinearSolver {
   /// Doubles of the workspace of one right-hand side.
   static std::int64_t workspaceOf(const FactorPlan& plan, const BlockPattern& pattern);
 
-  /// Who works on a node: threads to divide it among, and where update matrices that only its task needs are.
+  /// Who works on a node: threads to divide it among, where update matrices that only its task needs are, and what the
+  /// task will fill next.
   struct Worker {
     int threads;
     double* arena;
+    UpcomingMemory& upcoming;
   };
 
   SolverStatus factorAll(const Input& input);
@@ -71,6 +73,8 @@ class BlockCholesky final : public LinearSolver {
   void addDamping(int node, const Input& input, int firstBlock, int lastBlock, std::int64_t stride);
   void assemblePanel(int node, const Input& input, const Worker& worker, int firstBlock, int lastBlock);
   void formUpdate(int node, const Worker& worker, int strip);
+  /// The first values of the node after this one, if it is before `end`.
+  UpcomingMemory upcomingAfter(int node, int end);
   SolverStatus statusOf(const Failure& failure) const;
 
   /// One right-hand side on its way through the factor.

@@ -22,8 +22,9 @@ constexpr int depthColumns = 96;
 /// others are at the products of the next tiles.
 class TiledFactor {
  public:
-  TiledFactor(const KernelTable& kernels, const Panel& panel, int threads, const StopCondition& stop)
-      : kernels_(kernels), panel_(panel), stop_(stop), threads_(threads), height_(panel.rows) {
+  TiledFactor(const KernelTable& kernels, const Panel& panel, int threads, const StopCondition& stop,
+              UpcomingMemory& upcoming)
+      : kernels_(kernels), panel_(panel), stop_(stop), upcoming_(upcoming), threads_(threads), height_(panel.rows) {
     if (threads_ > 1)
       height_ = stripRows * std::max(1, (panel.rows + stripRows * mostStrips - 1) / (stripRows * mostStrips));
     strips_ = (panel.rows + height_ - 1) / height_;
@@ -65,7 +66,7 @@ class TiledFactor {
       const int needed = (k + depth) / chunkColumns;
       if (!awaitStrip(strip, needed) || !awaitStrip(own, needed)) return false;
       kernels_.updatePanel(panel_.values, panel_.stride, k, depth, begin(chunk), begin(chunk) + width(chunk), firstRow,
-                           lastRow);
+                           lastRow, &upcoming_);
     }
     return true;
   }
@@ -100,6 +101,7 @@ class TiledFactor {
   const KernelTable& kernels_;
   const Panel& panel_;
   const StopCondition& stop_;
+  UpcomingMemory& upcoming_;
   int threads_;
   int height_;
   int strips_;
@@ -112,8 +114,9 @@ class TiledFactor {
 
 }  // namespace
 
-PanelFailure factorPanel(const KernelTable& kernels, const Panel& panel, int threads, const StopCondition& stop) {
-  return TiledFactor(kernels, panel, threads, stop).run();
+PanelFailure factorPanel(const KernelTable& kernels, const Panel& panel, int threads, const StopCondition& stop,
+                         UpcomingMemory& upcoming) {
+  return TiledFactor(kernels, panel, threads, stop, upcoming).run();
 }
 
 }  // namespace quiver::detail

@@ -25,7 +25,8 @@ struct PanelFailure {
 };
 
 /// Factors the panel in place on at most `threads` threads; the same bits for any number. `stop` is polled between
-/// chunks of columns.
-PanelFailure factorPanel(const KernelTable& kernels, const Panel& panel, int threads, const StopCondition& stop);
+/// chunks of columns. `upcoming` is empty for several threads.
+PanelFailure factorPanel(const KernelTable& kernels, const Panel& panel, int threads, const StopCondition& stop,
+                         UpcomingMemory& upcoming);
 
 }  // namespace quiver::detail

@@ -126,7 +126,8 @@ std::vector<Malformed> fieldsAndNumbers() {
       {"Overflow", "VERTEX_SE2 0 1e400 0 0\n", "a.g2o:1:14: '1e400' is too large for a double"},
       {"OverflowOfDigits", "VERTEX_SE2 0 " + std::string(400, '9') + " 0 0\n",
        "a.g2o:1:14: '" + std::string(40, '9') + "…' is too large for a double"},
-      {"ZeroQuaternion", "VERTEX_SE3:QUAT 0 1 2 3 0 0 0 0\n", "a.g2o:1:31: a quaternion of norm zero is no rotation"},
+      {"ZeroQuaternion", "VERTEX_SE3:QUAT 0 1 2 3 0 0 0 0\n",
+       "a.g2o:1:31: a quaternion of norm below 1e-6 is no rotation"},
       {"LongQuaternion", "VERTEX_SE3:QUAT 0 1 2 3 1e200 0 0 1e200\n",
        "a.g2o:1:35: a quaternion this long is no rotation"},
       {"WrongCount", poses + point + "EDGE_SE2_LOTSOFXY 0 7 || 2 1 2 1 0 1\n",
@@ -222,6 +223,18 @@ TEST(G2oErrors, TheFirstErrorOfTheFileIsReported) {
   EXPECT_EQ(readError(bad + bad), "a.g2o:1:16: 'nan' is not a finite number");
   EXPECT_EQ(readError(poses + "EDGE_SE2 0 1 x 0 0 1 0 0 1 0 1\n" + poses), "a.g2o:3:14: 'x' is not a number");
   EXPECT_EQ(readError("EDGE_FOO 1\n" + bad), "a.g2o:1:1: unknown tag 'EDGE_FOO'");
+}
+
+TEST(G2oErrors, KindsOfErrorsComeInTheOrderOfTheDocument) {
+  const std::string tag = "EDGE_FOO 1\n", twice = "VERTEX_SE2 1 0 0 0\n", nowhere = "EDGE_SE2 0 7 1 0 0 1 0 0 1 0 1\n",
+                    information = "EDGE_SE2 0 1 1 0 0 1 0 0 -1 0 1\n", fix = "FIX 9\n";
+  const std::vector<std::string> kinds{fix, information, nowhere, twice, tag};
+  const std::vector<std::string> places{"a.g2o:3:5: ", "a.g2o:4:", "a.g2o:5:12: ", "a.g2o:6:12: ", "a.g2o:7:1: "};
+  std::string text = poses;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    text += kinds[i];
+    EXPECT_EQ(readError(text).rfind(places[i], 0), 0u) << readError(text);
+  }
 }
 
 TEST(G2oErrors, IsTheSameForAnyNumberOfThreads) {

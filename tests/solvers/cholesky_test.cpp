@@ -303,13 +303,15 @@ TEST(Kernels, factorAFrontLikeADenseMatrix) {
         if (below > 0) panel.middleRows(padded, below) = dense.bottomLeftCorner(below, columns);
         Eigen::VectorXd inverse(columns);
         double pivot = 0.0;
+        const double next[100] = {};
+        detail::UpcomingMemory upcoming{next, next + 100};
         for (int begin = 0; begin < columns; begin += detail::chunkColumns) {
           const int width = std::min(detail::chunkColumns, columns - begin);
           ASSERT_EQ(kernels.factorDiagonal(panel.data(), rows, begin, width, inverse.data(), &pivot), -1);
           const int first = begin + (width + 7) / 8 * 8;
           kernels.solveRows(panel.data(), rows, begin, width, first, rows, inverse.data());
           if (begin + width < columns) {
-            kernels.updatePanel(panel.data(), rows, begin, width, begin + width, columns, first, rows);
+            kernels.updatePanel(panel.data(), rows, begin, width, begin + width, columns, first, rows, &upcoming);
           }
         }
         const Eigen::MatrixXd factor = dense.llt().matrixL();
@@ -322,7 +324,7 @@ TEST(Kernels, factorAFrontLikeADenseMatrix) {
         Eigen::MatrixXd update(rows - padded, below);
         for (int c = 0; c < below; c += 48) {
           kernels.formUpdate(update.data() + c * (rows - padded + 1), rows - padded, panel.data() + padded + c, rows,
-                             columns, std::min(48, below - c), rows - padded - c);
+                             columns, std::min(48, below - c), rows - padded - c, &upcoming);
         }
         const Eigen::MatrixXd b = factor.bottomLeftCorner(below, columns);
         const Eigen::MatrixXd expected = (-b * b.transpose()).triangularView<Eigen::Lower>();

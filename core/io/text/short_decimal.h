@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #ifdef __SSE2__
-#  include <immintrin.h>
+#  include <emmintrin.h>
 #endif
 
 #include <quiver/core/io/text/number_parser.h>

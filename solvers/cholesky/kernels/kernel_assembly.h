@@ -24,14 +24,19 @@ void addChild(const double* child, UpdateLayout layout, const RowRun* runs, int 
     const int first = larger(run.destination, begin);
     const int last = smaller(run.destination + run.length, end);
     for (int d = first; d < last;) {
-      int c = run.source + d - run.destination;
-      const double* from = child + offsetOf(c);
-      double* to = target + (d - shift) * targetStride - shift;
-      const int stripEnd = smaller(offsetOf.stripEnd(), c + last - d);
-      for (; c < stripEnd; ++c, ++d, from += offsetOf.stride(), to += targetStride) {
-        addRun(to + d, from + c, run.source + run.length - c);
-        for (int k = q + 1; k < count; ++k) addRun(to + runs[k].destination, from + runs[k].source, runs[k].length);
+      const int c = run.source + d - run.destination;
+      const double* const from = child + offsetOf(c);
+      double* const to = target + (d - shift) * targetStride - shift;
+      // A few columns run by run: the lengths of runs differ, and a branch is right more often when it repeats itself.
+      const int columns = smaller(stripColumns, smaller(offsetOf.stripEnd() - c, last - d));
+      const std::int64_t stride = offsetOf.stride();
+      for (int i = 0; i < columns; ++i)
+        addRun(to + i * targetStride + d + i, from + i * stride + c + i, run.source + run.length - c - i);
+      for (int k = q + 1; k < count; ++k) {
+        for (int i = 0; i < columns; ++i)
+          addRun(to + i * targetStride + runs[k].destination, from + i * stride + runs[k].source, runs[k].length);
       }
+      d += columns;
     }
   }
 }

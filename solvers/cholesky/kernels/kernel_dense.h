@@ -79,12 +79,23 @@ void product(double* c, std::int64_t strideC, const double* a, std::int64_t stri
   }
 }
 
+/// Fetches what goes along with the product of a register tile: a line of eight numbers to 384 multiply-adds.
+inline __attribute__((always_inline)) void fetchUpcoming(UpcomingMemory* memory, int depth) {
+  const std::int64_t left = memory->end - memory->begin;
+  if (left <= 0) return;
+  const std::int64_t numbers = depth * (tileVectors * width) / 64 * 8;
+  const double* const end = memory->begin + (left < numbers ? left : numbers);
+  const double* line = memory->begin;
+  for (; line < end; line += 8) __builtin_prefetch(line, 1);
+  memory->begin = line;
+}
+
 /// Columns [columnBegin, columnEnd) of C −= (or = −) A Bᵀ, rows [rowBegin, rowEnd) on or below C's diagonal; row r of B
 /// belongs to column r of C. Walks row tiles outside and strips of columns inside, so that a tile of A stays in the
 /// first-level cache.
 template <Store mode>
 void lowerProduct(double* c, std::int64_t strideC, const double* a, std::int64_t strideA, int depth, int columnBegin,
-                  int columnEnd, int rowBegin, int rowEnd) {
+                  int columnEnd, int rowBegin, int rowEnd, UpcomingMemory* upcoming) {
   constexpr int tileRows = larger(tileVectors * width, 8);
   for (int r = larger(rowBegin, floor8(columnBegin)); r < rowEnd; r += tileRows) {
     const int end = smaller(r + tileRows, rowEnd);
@@ -93,22 +104,24 @@ void lowerProduct(double* c, std::int64_t strideC, const double* a, std::int64_t
       if (first >= end) break;
       product<mode>(c + j * strideC + first, strideC, a + first, strideA, a + j, strideA, depth, end - first,
                     smaller(stripColumns, columnEnd - j));
+      fetchUpcoming(upcoming, depth);
     }
   }
 }
 
 void updatePanel(double* panel, std::int64_t stride, int begin, int columns, int columnBegin, int columnEnd,
-                 int rowBegin, int rowEnd) {
+                 int rowBegin, int rowEnd, UpcomingMemory* upcoming) {
   lowerProduct<Store::subtract>(panel, stride, panel + begin * stride, stride, columns, columnBegin, columnEnd,
-                                rowBegin, rowEnd);
+                                rowBegin, rowEnd, upcoming);
 }
 
 void formUpdate(double* update, std::int64_t updateStride, const double* below, std::int64_t stride, int depth,
-                int columns, int rows) {
-  lowerProduct<Store::negate>(update, updateStride, below, stride, smaller(depth, blockDepth), 0, columns, 0, rows);
+                int columns, int rows, UpcomingMemory* upcoming) {
+  lowerProduct<Store::negate>(update, updateStride, below, stride, smaller(depth, blockDepth), 0, columns, 0, rows,
+                              upcoming);
   for (int k = blockDepth; k < depth; k += blockDepth) {
     lowerProduct<Store::subtract>(update, updateStride, below + k * stride, stride, smaller(depth - k, blockDepth), 0,
-                                  columns, 0, rows);
+                                  columns, 0, rows, upcoming);
   }
 }
 

@@ -262,7 +262,8 @@ __attribute__((noinline)) void gatherPanel(const LeafView& leaf, const LeafPanel
 }
 
 template <int b>
-int leafFactor(const LeafView& leaf, double* values, double* inverse, const LeafUpdate& update, double* pivot) {
+int leafFactor(const LeafView& leaf, double* values, double* inverse, const LeafUpdate& update, double* pivot,
+               [[maybe_unused]] UpcomingMemory* upcoming) {
   [[maybe_unused]] const LeafPanel* next = leaf.panels;
   for (int j = 0; j < leaf.count;) {
     const int end = j + leaf.columns[j].group;
@@ -277,7 +278,7 @@ int leafFactor(const LeafView& leaf, double* values, double* inverse, const Leaf
     if constexpr (b >= leastPanelDimension) {
       for (; next->last < j; ++next) {
         gatherPanel<b>(leaf, *next, values, update.panel);
-        subtractPanel(update, *next, leaf.panelRuns + next->runs, (next->last - next->first + 1) * b);
+        subtractPanel(update, *next, leaf.panelRuns + next->runs, (next->last - next->first + 1) * b, upcoming);
       }
     }
   }

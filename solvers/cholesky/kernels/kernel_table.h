@@ -14,6 +14,14 @@ struct RowRun {
   std::int32_t destination;  // first row in the parent's storage: columns first, padded, then the rows below
 };
 
+/// Memory that the next node will fill. With every product, kernels fetch some lines of it to be written and move
+/// `begin` on, so that clearing and loading it does not wait for what lies behind the second cache. Where threads share
+/// a node it is empty, and then never written to.
+struct UpcomingMemory {
+  const double* begin;
+  const double* end;
+};
+
 /// How the lower triangle of an update matrix lies in memory: strips of `width` columns one after the other, each with
 /// the rows from its first diagonal entry down to `rows`. Both are multiples of 8. Blocks of a leaf subtree do not
 /// cross the borders of strips; those of less than leastPanelDimension have a single strip.
@@ -107,12 +115,12 @@ struct KernelTable {
   /// Subtracts the product of the chunk's columns from panel columns [columnBegin, columnEnd), rows [rowBegin, rowEnd)
   /// on or below the diagonal.
   void (*updatePanel)(double* panel, std::int64_t stride, int begin, int width, int columnBegin, int columnEnd,
-                      int rowBegin, int rowEnd);
+                      int rowBegin, int rowEnd, UpcomingMemory* upcoming);
 
   /// The first `columns` columns of U = −B Bᵀ on and below the diagonal; B has `rows` (padded) rows and `depth`
   /// columns.
   void (*formUpdate)(double* update, std::int64_t updateStride, const double* below, std::int64_t stride, int depth,
-                     int columns, int rows);
+                     int columns, int rows, UpcomingMemory* upcoming);
 
   /// Adds the lower triangle of a child's update matrix to the columns [begin, end) of the parent's storage numbering;
   /// target points to the storage position (shift, shift).
@@ -131,7 +139,7 @@ struct KernelTable {
   void (*leafLoad[largestLeafDimension + 1])(const LeafView& leaf, const LoadEntry* loads, const std::int64_t* begin,
                                              const double* source, double* values);
   int (*leafFactor[largestLeafDimension + 1])(const LeafView& leaf, double* values, double* inverse,
-                                              const LeafUpdate& update, double* pivot);
+                                              const LeafUpdate& update, double* pivot, UpcomingMemory* upcoming);
   /// x are the subtree's scalars, v is a vector of the subtree. Forward, `update` receives what the rows outside get;
   /// backward, the places of the rows outside in v hold their solution.
   void (*leafForward[largestLeafDimension + 1])(const LeafView& leaf, const double* values, const double* inverse,

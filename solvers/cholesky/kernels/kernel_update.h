@@ -28,7 +28,7 @@ class UpdateColumns {
 
 /// U −= P Pᵀ on and below the diagonal, where P has the given runs of U's rows.
 __attribute__((noinline)) void subtractPanel(const LeafUpdate& update, const LeafPanel& shape, const RowRun* runs,
-                                             int depth) {
+                                             int depth, UpcomingMemory* upcoming) {
   const double* const panel = update.panel;
   const std::int64_t stride = shape.stride;
   UpdateColumns offsetOf(update.layout);
@@ -42,10 +42,12 @@ __attribute__((noinline)) void subtractPanel(const LeafUpdate& update, const Lea
       const int first = floor8(column);
       product<Store::subtract>(c + first, offsetOf.stride(), rows + first, stride, b, stride, depth, ceil8(end) - first,
                                columns);
+      fetchUpcoming(upcoming, depth);
       for (int q = p + 1; q < shape.runCount; ++q) {
         const int begin = floor8(runs[q].destination);
         product<Store::subtract>(c + begin, offsetOf.stride(), panel + runs[q].source, stride, b, stride, depth,
                                  ceil8(runs[q].destination + runs[q].length) - begin, columns);
+        fetchUpcoming(upcoming, depth);
       }
       column += columns;
     }
