@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <quiver/apps/commands.h>
+#include <quiver/apps/support/counted.h>
 #include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/outcome.h>
@@ -98,8 +99,10 @@ void printReport(const Json& json) {
     tell(stdout, "{}: chi2 stays when the world moves in {}\n", tag,
          words.empty() ? "no direction" : fmt::format("{}", fmt::join(words, ", ")));
   }
-  tell(stdout, "{} types and {} robust kernels, {} checks, {} findings\n", json["types"].size(),
-       json["robust_kernels"].size(), json["checks"].get<std::int64_t>(), json["findings"].size());
+  tell(stdout, "{} and {}, {}, {}\n", counted(static_cast<std::int64_t>(json["types"].size()), "type"),
+       counted(static_cast<std::int64_t>(json["robust_kernels"].size()), "robust kernel"),
+       counted(json["checks"].get<std::int64_t>(), "check"),
+       counted(static_cast<std::int64_t>(json["findings"].size()), "finding"));
 }
 
 int check(Flags& flags) {

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <map>
 #include <optional>
 
@@ -38,6 +39,29 @@ struct Flags {
   std::string svg;
   std::string json;
 };
+
+constexpr const char* extentNotFinite = "the positions' extent, squared, is not finite: errors cannot be computed";
+
+/// Throws GraphError if squares of distances are beyond the range of numbers.
+void checkExtent(const Trajectory& trajectory) {
+  if (trajectory.poses.empty()) return;
+  Vector<double, 3> least = trajectory.poses.front().pose.translation();
+  Vector<double, 3> largest = least;
+  for (const TrajectoryPose& pose : trajectory.poses) {
+    least = least.cwiseMin(pose.pose.translation());
+    largest = largest.cwiseMax(pose.pose.translation());
+  }
+  if (!std::isfinite((largest - least).squaredNorm())) throw GraphError(extentNotFinite);
+}
+
+/// The same for what is between two trajectories.
+void checkErrors(const TrajectoryError& error) {
+  bool finite = std::isfinite(error.alignment.scale) && error.alignment.translation.allFinite();
+  for (const ErrorStatistics* s :
+       {&error.absoluteTranslation, &error.absoluteRotation, &error.relativeTranslation, &error.relativeRotation})
+    finite = finite && std::isfinite(s->rootMeanSquare) && std::isfinite(s->mean) && std::isfinite(s->deviation);
+  if (!finite) throw GraphError(extentNotFinite);
+}
 
 /// A graph's poses, or a trajectory file's.
 Trajectory load(GraphSource source, const std::string& path, const std::shared_ptr<const Registry>& registry) {
@@ -131,11 +155,16 @@ void evaluate(const Flags& flags) {
   checkInputsSpared({flags.svg, flags.json}, {flags.estimate, flags.truth});
   const std::shared_ptr<const Registry> registry = makeRegistry(flags.source.plugins);
   const Trajectory estimate = load(flags.source, flags.estimate, registry);
+  naming(displayName(flags.estimate), [&] { checkExtent(estimate); });
   const Trajectory truth = load(flags.source, flags.truth, registry);
+  naming(displayName(flags.truth), [&] { checkExtent(truth); });
   const EvaluationOptions options = optionsOf(flags, estimate, truth);
   const TrajectoryError error =
-      naming(fmt::format("{} against {}", displayName(flags.estimate), displayName(flags.truth)),
-             [&] { return evaluateTrajectory(estimate, truth, options); });
+      naming(fmt::format("{} against {}", displayName(flags.estimate), displayName(flags.truth)), [&] {
+        TrajectoryError found = evaluateTrajectory(estimate, truth, options);
+        checkErrors(found);
+        return found;
+      });
   if (flags.stampTolerance && error.matching != PoseMatching::stamp)
     throw UsageError(
         fmt::format("--max-difference is of time stamps, and these poses are matched by {}", nameOf(error.matching)));

@@ -158,6 +158,28 @@ Json describePlan(Graph graph, int threads) {
           {"bytes", bytes}};
 }
 
+/// The keys of describeResiduals() and describeFreedom() where there is nothing to evaluate at.
+Json describeUnknown() {
+  const Json none = Json::array();
+  return {{"chi2", nullptr},
+          {"cost", nullptr},
+          {"undefined", none},
+          {"worst_edges", none},
+          {"redundancy",
+           {{"measured", nullptr}, {"determined", nullptr}, {"degrees_of_freedom", nullptr}, {"p_value", nullptr}}},
+          {"gates", none},
+          {"suspects_judged", false},
+          {"suspects", none},
+          {"gauge", none},
+          {"unconstrained", none}};
+}
+
+/// Whether every vertex that an edge touches has an estimate.
+bool canBeEvaluated(const GraphSurvey& survey) {
+  return std::includes(survey.isolated.begin(), survey.isolated.end(), survey.withoutEstimate.begin(),
+                       survey.withoutEstimate.end());
+}
+
 /// Nothing where no camera sees anything.
 Json describeDepth(const Graph& graph) {
   const DepthSurvey survey = surveyDepth(graph);
@@ -191,14 +213,14 @@ void info(const Flags& flags) {
   json["information"] = loaded.report.clampedInformation == 0
                             ? "every matrix is finite, symmetric and positive semi-definite"
                             : counted(loaded.report.clampedInformation, "matrix was", "matrices were") + " repaired";
-  if (survey.withoutEstimate.empty()) {
+  if (canBeEvaluated(survey)) {
     longWork.tell("directions that nothing holds, residuals");
     const Problem problem(graph, {.level = -1, .free = {}, .threads = flags.source.threads});
     const Json freedom = describeFreedom(graph, problem);
     json.update(describeResiduals(graph, determinedNumbers(problem, freedom), flags.worst));
     json.update(freedom);
   } else {
-    json.update(Json{{"chi2", nullptr}, {"cost", nullptr}, {"worst_edges", Json::array()}, {"gauge", Json::array()}});
+    json.update(describeUnknown());
   }
   if (Json depth = describeDepth(graph); !depth.is_null()) json["depth"] = std::move(depth);
   if (flags.plan) longWork.tell("planning the solve");

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <csignal>
 #include <exception>
+#include <limits>
+#include <memory>
+#include <new>
 #include <optional>
 
 #include <fmt/format.h>
@@ -13,6 +16,7 @@
 #include <quiver/apps/optimize/optimize_report.h>
 #include <quiver/apps/optimize/overrides.h>
 #include <quiver/apps/optimize/progress.h>
+#include <quiver/apps/support/counted.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/initial_guess.h>
 #include <quiver/apps/support/interrupt.h>
@@ -23,6 +27,8 @@
 #include <quiver/apps/support/standard_streams.h>
 #include <quiver/core/algorithm/optimizer.h>
 #include <quiver/core/graph/estimates.h>
+#include <quiver/core/registry/registry.h>
+#include <quiver/core/util/parallel.h>
 #include <quiver/core/util/stop_condition.h>
 #include <quiver/core/util/stopwatch.h>
 
@@ -38,9 +44,20 @@ class Run {
     checkOutputs({flags_.output, flags_.json, flags_.marginals});
     checkInputsSpared({flags_.json, flags_.marginals}, {flags_.source.path});
     longWork_.reading(flags_.source.path);
-    LoadedGraph loaded = loadGraph(flags_.source);
+    std::optional<LoadedGraph> loaded;
+    try {
+      loaded.emplace(loadGraph(flags_.source));
+      if (interrupt_.token().stop_requested()) return endEarly(Status::interrupted, "stopped while reading", *loaded);
+      return optimizeLoaded(*loaded);
+    } catch (const std::bad_alloc&) {
+      if (!loaded) loaded.emplace(LoadedGraph{Graph(std::make_shared<Registry>()), {}, 0.0});
+      return endEarly(Status::memoryLimit, "out of memory", *loaded);
+    }
+  }
+
+ private:
+  int optimizeLoaded(LoadedGraph& loaded) {
     longWork_.expect(loaded.graph);
-    if (interrupt_.token().stop_requested()) return stoppedEarly("reading");
     // Who reads the progress may go away; files that were asked for are written all the same.
     for (const std::string& path : {flags_.output, flags_.json, flags_.marginals}) {
       if (!path.empty() && path != "-") std::signal(SIGPIPE, SIG_IGN);
@@ -53,9 +70,12 @@ class Run {
     for (const std::string& note : readingNotes(flags_.source, loaded.report)) say(note);
     try {
       optimizeGraph(loaded.graph);
-    } catch (const GraphError& error) {
+    } catch (const WorkStopped&) {
       // An initial guess that could not be finished leaves vertices without an estimate, and nothing to save.
-      if (timeIsOver()) return stoppedEarly("making the initial guess");
+      const bool interrupted = interrupt_.token().stop_requested();
+      return endEarly(interrupted ? Status::interrupted : Status::timeLimit, "stopped while making the initial guess",
+                      loaded);
+    } catch (const GraphError& error) {
       throw GraphError(fmt::format("{}: {}", displayName(flags_.source.path), error.what()));
     }
     save(loaded);
@@ -69,7 +89,6 @@ class Run {
     return report_.marginals->stopped ? exitInterrupted : exitNumericalFailure;
   }
 
- private:
   /// Where people are told what happens: standard output unless it carries data.
   std::FILE* stream() const {
     if (flags_.quiet) return nullptr;
@@ -79,9 +98,23 @@ class Run {
     if (stream()) tell(stream(), "{}\n", sentence);
   }
 
-  int stoppedEarly(const char* doing) const {
-    tell(stderr, "{}: stopped while {}; nothing is written\n", displayName(flags_.source.path), doing);
-    return exitInterrupted;
+  /// Ends a run midway: the report alone is written.
+  int endEarly(Status status, const char* reason, const LoadedGraph& loaded) {
+    tell(stderr, "{}: {}{}\n", displayName(flags_.source.path), reason, saved_ ? "" : "; no estimate is written");
+    Summary& summary = report_.summary;
+    if (!saved_) {
+      constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+      summary.clear();
+      summary.threads = flags_.source.threads > 0 ? flags_.source.threads : hardwareThreads();
+      summary.initialChi2 = summary.finalChi2 = summary.initialCost = summary.finalCost = unknown;
+      report_.fileChi2 = unknown;
+    }
+    summary.status = status;
+    summary.reason = reason;
+    report_.loadSeconds = loaded.seconds;
+    if (!flags_.marginals.empty()) report_.marginals.emplace().reason = fmt::format("not computed: {}", reason);
+    if (!flags_.json.empty()) saveReport(loaded);
+    return exitCodeOf(status);
   }
 
   void chooseRobustness(const Registry& registry) {
@@ -99,7 +132,8 @@ class Run {
       if (graph.typeOf(vertex).dimension(vertex) == flags_.onlyDimension) options.free.push_back(vertex.id());
     });
     if (options.free.empty())
-      throw GraphError(fmt::format("no vertex has {} dimensions, and others do not move", flags_.onlyDimension));
+      throw GraphError(
+          fmt::format("no vertex has {}, and others do not move", counted(flags_.onlyDimension, "dimension")));
   }
 
   /// Calls work(graph) with what the command line adds to the graph, and takes that back.
@@ -133,7 +167,8 @@ class Run {
     options.callback = [&progress](const IterationReport& iteration) { progress.iteration(iteration); };
     options.phase = [this](std::string_view phase) { longWork_.tell(phase); };
     options.timeLimit = std::max(0.0, flags_.timeLimit - whole_.seconds());
-    longWork_.tell(fmt::format("initial guess for {} vertices and {} edges", graph.vertexCount(), graph.edgeCount()));
+    longWork_.tell(fmt::format("initial guess for {} and {}", counted(graph.vertexCount(), "vertex", "vertices"),
+                               counted(graph.edgeCount(), "edge")));
     Stopwatch watch;
     Optimizer optimizer(options);
     report_.guess = guessOrKeep(graph, optimizer);
@@ -147,14 +182,12 @@ class Run {
     progress.finish(report_.summary);
   }
 
-  bool timeIsOver() const { return StopCondition(flags_.timeLimit - whole_.seconds(), interrupt_.token()).reached(); }
-
   /// An initial guess that is stopped leaves the file's estimates, where every vertex has one.
   InitialGuess guessOrKeep(Graph& graph, Optimizer& optimizer) {
     try {
       return makeInitialGuess(graph, flags_.init, optimizer);
-    } catch (const GraphError&) {
-      if (!timeIsOver() || verticesWithoutEstimate(graph) > 0) throw;
+    } catch (const WorkStopped&) {
+      if (verticesWithoutEstimate(graph) > 0) throw;
       return {"file", fmt::format("the initial guess '{}' was stopped", flags_.init)};
     }
   }
@@ -187,10 +220,19 @@ class Run {
         say(fmt::format(
             "--marginals: the system is nearly singular: variances of what is known least may be off by {:.0f} %",
             100.0 * report.relativeError));
-      if (marginals.ok()) saveText(flags_.marginals, describeMarginals(marginals, changed));
+      if (marginals.ok()) {
+        const Interrupt::Saving saving(flags_.marginals);
+        saveText(flags_.marginals, describeMarginals(marginals, changed));
+      }
       report.stopped = marginals.stopped();
     });
     report_.marginalsSeconds = watch.seconds();
+  }
+
+  void saveReport(const LoadedGraph& loaded) {
+    report_.totalSeconds = whole_.seconds();
+    const Interrupt::Saving saving(flags_.json);
+    saveJson(flags_.json, describeRun(report_, describeInput(flags_.source, loaded)));
   }
 
   void save(LoadedGraph& loaded) {
@@ -198,7 +240,9 @@ class Run {
     // A solve that was refused has no estimate of its own: an older output is worth more.
     if (!flags_.output.empty() && report_.summary.status != Status::memoryLimit) {
       longWork_.tell(fmt::format("saving {}", flags_.output));
+      const Interrupt::Saving saving(flags_.output);
       saveGraph(flags_.output, loaded.graph, flags_.source.threads);
+      saved_ = true;
     }
     report_.saveSeconds = watch.seconds();
     // Should this file fail, the report is written all the same.
@@ -209,8 +253,7 @@ class Run {
       lost = std::current_exception();
       report_.marginals->reason = error.what();
     }
-    report_.totalSeconds = whole_.seconds();
-    if (!flags_.json.empty()) saveJson(flags_.json, describeRun(report_, describeInput(flags_.source, loaded)));
+    if (!flags_.json.empty()) saveReport(loaded);
     if (lost) std::rethrow_exception(lost);
   }
 
@@ -223,6 +266,8 @@ class Run {
   std::optional<EdgeChoice> robustEdges_;
   /// A kernel was asked for, and no edge has it.
   bool noKernel_ = false;
+  /// The output has its estimates.
+  bool saved_ = false;
 };
 
 }  // namespace

@@ -30,7 +30,11 @@ LoadedGraph load(const GraphSource& source) {
 Scene loadScene(GraphSource source, const std::string& path, const char* label) {
   source.path = path;
   const LoadedGraph loaded = load(source);
-  Scene scene = naming(displayName(path), [&loaded] { return makeScene(loaded.graph); });
+  Scene scene = naming(displayName(path), [&loaded] {
+    Scene made = makeScene(loaded.graph);
+    checkExtent(made);
+    return made;
+  });
   scene.title = fmt::format("{}{}", label, displayName(path));
   return scene;
 }

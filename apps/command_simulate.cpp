@@ -6,6 +6,7 @@
 #include <quiver/apps/simulate/outliers_command.h>
 #include <quiver/apps/simulate/sphere.h>
 #include <quiver/apps/simulate/world_command.h>
+#include <quiver/apps/support/counted.h>
 #include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/outcome.h>
@@ -41,8 +42,8 @@ void simulateSphere(const Flags& flags) {
   saveGraph(flags.output, graph.measured);
   if (!flags.truth.empty()) saveGraph(flags.truth, graph.truth);
   std::FILE* const stream = flags.output == "-" || flags.truth == "-" ? stderr : stdout;
-  tell(stream, "a sphere of {} poses in {} laps and {} measurements: {}\n", graph.measured.vertexCount(), settings.laps,
-       graph.measured.edgeCount(), flags.output);
+  tell(stream, "a sphere of {} in {} and {}: {}\n", counted(graph.measured.vertexCount(), "pose"),
+       counted(settings.laps, "lap"), counted(graph.measured.edgeCount(), "measurement"), flags.output);
 }
 
 void addNoiseOption(CLI::App& command, const char* name, std::vector<double>& values, const char* text) {

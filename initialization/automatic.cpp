@@ -62,7 +62,8 @@ AutomaticStart automaticStart(Graph& graph, Optimizer& optimizer) {
   const double before = start.firstChi2 = chi2Of(problem);
   const auto redundant = static_cast<double>(redundancy(problem));
   if (before <= redundant) {
-    start.reason += fmt::format(": chi2 {:.6g} is within the noise of {} redundant measurements", before, redundant);
+    start.reason += fmt::format(": chi2 {:.6g} is within the noise of {} redundant measurement{}", before, redundant,
+                                redundant == 1.0 ? "" : "s");
     return start;
   }
   const auto remaining = [&] {
@@ -86,6 +87,8 @@ AutomaticStart automaticStart(Graph& graph, Optimizer& optimizer) {
       }
     } catch (const GraphError&) {
       // No such start for this graph: not an error, the other one stands.
+    } catch (const WorkStopped&) {
+      // Nor is one that takes too long.
     }
   };
   consider("chordal", chordalEstimate);

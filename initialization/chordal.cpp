@@ -10,6 +10,7 @@
 #include <quiver/core/graph/estimates.h>
 #include <quiver/core/util/error.h>
 #include <quiver/core/util/parallel.h>
+#include <quiver/core/util/stop_condition.h>
 #include <quiver/initialization/pose_graph.h>
 #include <quiver/initialization/propagation.h>
 #include <quiver/solvers/backends/block_solver.h>
@@ -17,8 +18,6 @@
 
 namespace quiver {
 namespace {
-
-constexpr const char* timeIsOver = "chordal initialisation: the time is over";
 
 /// A symmetric block system over the poses that are not held, all blocks of one dimension, in elimination order.
 class PoseSystem {
@@ -78,7 +77,7 @@ class PoseSystem {
   /// Overwrites the right-hand sides with the solutions.
   void solve(int count, const StopCondition& stop) {
     SolverStatus status = solver_->factorize(matrix_, {}, stop);
-    if (status.outcome == SolverStatus::Outcome::interrupted) throw GraphError(timeIsOver);
+    if (status.outcome == SolverStatus::Outcome::interrupted) throw WorkStopped();
     if (status.ok()) status = solver_->solve(right_, count);
     if (!status.ok()) throw GraphError("chordal initialisation: the relative poses leave some pose undetermined");
   }
@@ -188,7 +187,7 @@ std::int64_t estimatePoses(Graph& graph, const Options& options) {
   if (std::find(poses.held.begin(), poses.held.end(), 0) != poses.held.end()) {
     const int threads = options.threads > 0 ? options.threads : hardwareThreads();
     std::vector<int> order;
-    if (stop.reached()) throw GraphError(timeIsOver);  // before the ordering
+    stop.throwIfReached();  // before the ordering
     solveRotations(poses, threads, order, stop);
     solveTranslations(poses, threads, order, stop);
   }
@@ -204,8 +203,9 @@ std::string chordalEstimate(Graph& graph, const Options& options) {
   if (count == 0) throw GraphError("chordal initialisation: the graph has no poses");
   const std::int64_t others = propagateFromPoses(graph, options);
   guard.keep();
-  return others == 0 ? fmt::format("chordal relaxation of {} poses", count)
-                     : fmt::format("chordal relaxation of {} poses, {} other vertices from there", count, others);
+  const std::string poses = fmt::format("chordal relaxation of {} pose{}", count, count == 1 ? "" : "s");
+  if (others == 0) return poses;
+  return fmt::format("{}, {} other vert{} from there", poses, others, others == 1 ? "ex" : "ices");
 }
 
 }  // namespace quiver

@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 
+#include <quiver/core/graph/estimates.h>
 #include <quiver/core/problem/canonical_order.h>
+#include <quiver/core/registry/field_tokens.h>
 #include <quiver/core/util/error.h>
 
 namespace quiver::detail {
@@ -25,11 +27,21 @@ EstimateTree::EstimateTree(Graph& graph, const Options& options, Length length) 
   std::vector<const Edge*> edges = Incidence::canonicalEdges(graph, options.level);
   collectVertices(edges, free);
   incidence_ = Incidence(std::move(edges), vertices_);
-  for (int edge = 0; edge < incidence_.edges(); ++edge) unknown_.push_back(incidence_.edge(edge).arity());
   findComponents();
+  start();
+}
+
+void EstimateTree::start() {
+  unknown_.clear();
+  for (int edge = 0; edge < incidence_.edges(); ++edge) unknown_.push_back(incidence_.edge(edge).arity());
   known_.assign(vertices_.size(), 0);
+  rooted_.assign(vertices_.size(), 0);
   distance_.assign(vertices_.size(), 0.0);
   depth_.assign(vertices_.size(), 0);
+  heap_.clear();
+  roots_.clear();
+  told_ = kept_ = 0;
+  firstKept_ = -1;
 }
 
 void EstimateTree::collectVertices(const std::vector<const Edge*>& edges, const std::vector<std::int64_t>& free) {
@@ -60,7 +72,11 @@ void EstimateTree::findComponents() {
     for (const std::int32_t vertex : ends) parent[static_cast<std::size_t>(find(vertex))] = find(ends[0]);
   }
   for (std::int32_t v = 0; v < static_cast<std::int32_t>(vertices_.size()); ++v) componentOf_.push_back(find(v));
-  rooted_.assign(vertices_.size(), 0);
+  estimated_.assign(vertices_.size(), 0);
+  posesFirst_.assign(vertices_.size(), 0);
+  for (std::size_t v = 0; v < vertices_.size(); ++v) {
+    if (vertices_[v]->hasEstimate()) estimated_[static_cast<std::size_t>(componentOf_[v])] = 1;
+  }
 }
 
 bool EstimateTree::later(const Candidate& a, const Candidate& b) const {
@@ -106,7 +122,6 @@ void EstimateTree::seed() {
 void EstimateTree::plant(int vertex) {
   Vertex& root = *vertices_[static_cast<std::size_t>(vertex)];
   auto& rooted = rooted_[static_cast<std::size_t>(componentOf_[static_cast<std::size_t>(vertex)])];
-  if (!root.hasEstimate()) graph_.typeOf(root).setToOrigin(root);
   if (rooted && !held_[static_cast<std::size_t>(vertex)]) {
     ++kept_;
     if (firstKept_ < 0) firstKept_ = vertex;
@@ -169,21 +184,64 @@ void EstimateTree::drain() {
   }
 }
 
-void EstimateTree::plantRemaining() {
+bool EstimateTree::putAtOrigin(int vertex) {
+  Vertex& root = *vertices_[static_cast<std::size_t>(vertex)];
+  const VertexType& type = graph_.typeOf(root);
+  type.setToOrigin(root);
+  TokenWriter line;
+  type.write(root, line);
+  try {
+    TokenReader reader(line.tokens());
+    type.read(reader, root);
+  } catch (const ParseError&) {
+    root.setHasEstimate(false);
+    return false;
+  }
+  return true;
+}
+
+std::vector<std::int32_t> EstimateTree::rootOrder() const {
   std::vector<std::int32_t> order(vertices_.size());
   std::iota(order.begin(), order.end(), 0);
   const auto rank = [this](std::int32_t v) {
     const Vertex& vertex = *vertices_[static_cast<std::size_t>(v)];
-    return std::tuple(!held_[static_cast<std::size_t>(v)], -graph_.typeOf(vertex).dimension(vertex), vertex.id());
+    const VertexType& type = graph_.typeOf(vertex);
+    const bool noPose = !isPose(type.placeKind());
+    const bool missing = !vertex.hasEstimate();
+    const bool posesFirst = posesFirst_[static_cast<std::size_t>(componentOf_[static_cast<std::size_t>(v)])] != 0;
+    return std::tuple(posesFirst ? noPose : missing, posesFirst ? missing : noPose, !held_[static_cast<std::size_t>(v)],
+                      -type.dimension(vertex), vertex.id());
   };
   std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) { return rank(a) < rank(b); });
-  for (const std::int32_t v : order) {
-    if (known_[static_cast<std::size_t>(v)]) continue;
-    const bool rooted = rooted_[static_cast<std::size_t>(componentOf_[static_cast<std::size_t>(v)])];
-    if (rooted && !vertices_[static_cast<std::size_t>(v)]->hasEstimate()) continue;
+  return order;
+}
+
+void EstimateTree::plantRemaining() {
+  for (const std::int32_t v : rootOrder()) {
+    const auto at = static_cast<std::size_t>(v);
+    if (known_[at]) continue;
+    const auto component = static_cast<std::size_t>(componentOf_[at]);
+    const bool missing = !vertices_[at]->hasEstimate();
+    if (missing && (rooted_[component] || !putAtOrigin(v))) continue;
+    const std::int64_t before = told_;
     plant(v);
     drain();
+    // An origin of its own choice beside estimates that it tells nothing about is no estimate.
+    if (missing && estimated_[component] && told_ == before) known_[at] = 0;
   }
+}
+
+bool EstimateTree::preferPoses() {
+  bool changed = false;
+  for (std::size_t v = 0; v < vertices_.size(); ++v) {
+    const auto component = static_cast<std::size_t>(componentOf_[v]);
+    if (known_[v] || !estimated_[component] || posesFirst_[component] ||
+        !isPose(graph_.typeOf(*vertices_[v]).placeKind()))
+      continue;
+    posesFirst_[component] = 1;
+    changed = true;
+  }
+  return changed;
 }
 
 void EstimateTree::checkAllKnown() const {
@@ -195,17 +253,29 @@ void EstimateTree::checkAllKnown() const {
     if (!first || vertices_[v]->id() < first->id()) first = vertices_[v];
   }
   if (count == 0) return;
-  throw GraphError(fmt::format(
-      "no edge tells where vertex {} ({}) is{}: give it an estimate, or its edges' type an "
-      "initialEstimate",
-      first->id(), graph_.typeOf(*first).tag(), count == 1 ? "" : fmt::format(", nor {} others", count - 1)));
+  throw GraphError(
+      fmt::format("no edge tells where vertex {} ({}) is{}: give it an estimate, or its edges' type an "
+                  "initialEstimate",
+                  first->id(), graph_.typeOf(*first).tag(),
+                  count == 1 ? "" : fmt::format(", nor {} other{}", count - 1, count == 2 ? "" : "s")));
 }
 
-void EstimateTree::grow() {
+void EstimateTree::growOnce() {
   seed();
   drain();
   plantRemaining();
+}
+
+void EstimateTree::grow() {
+  const SavedEstimates before(graph_);
+  growOnce();
+  if (preferPoses()) {
+    before.restore(graph_);
+    start();
+    growOnce();
+  }
   checkAllKnown();
+  std::sort(roots_.begin(), roots_.end());
 }
 
 std::string EstimateTree::describe(const std::string& name) const {
@@ -214,7 +284,7 @@ std::string EstimateTree::describe(const std::string& name) const {
   for (std::size_t i = 0; i < std::min(mostNamed, roots_.size()); ++i)
     from += fmt::format("{}{}", from.empty() ? "" : ", ", roots_[i]);
   if (roots_.size() > mostNamed) from += fmt::format(" and {} more", roots_.size() - mostNamed);
-  std::string text = fmt::format("{} tells {} vertices", name, told_);
+  std::string text = fmt::format("{} tells {} vert{}", name, told_, told_ == 1 ? "ex" : "ices");
   if (!roots_.empty()) text += fmt::format(", from vert{} {}", roots_.size() == 1 ? "ex" : "ices", from);
   if (kept_ > 0) {
     const Vertex& first = *vertices_[static_cast<std::size_t>(firstKept_)];

@@ -33,6 +33,12 @@ class EstimateTree {
     std::int32_t edge;
   };
 
+  /// Forgets what was grown, not the estimates.
+  void start();
+  void growOnce();
+  /// Chooses other roots where a pose without an estimate was left over beside landmarks that have one, which cannot
+  /// tell it; whether there are such components.
+  bool preferPoses();
   void collectVertices(const std::vector<const Edge*>& edges, const std::vector<std::int64_t>& free);
   void findComponents();
   bool isFullPrior(int edge) const;
@@ -43,6 +49,9 @@ class EstimateTree {
   void offer(const Candidate& candidate);
   bool tell(const Candidate& candidate);
   void plant(int vertex);
+  /// False, and no estimate, where the type's origin is none that could be written and read back.
+  bool putAtOrigin(int vertex);
+  std::vector<std::int32_t> rootOrder() const;
   void plantRemaining();
   void checkAllKnown() const;
   bool later(const Candidate& a, const Candidate& b) const;
@@ -53,7 +62,9 @@ class EstimateTree {
   std::vector<char> held_;
   Incidence incidence_;
   std::vector<std::int32_t> componentOf_;
-  std::vector<char> rooted_;  // by component
+  std::vector<char> rooted_;      // by component
+  std::vector<char> estimated_;   // by component: a vertex had an estimate before
+  std::vector<char> posesFirst_;  // by component
 
   std::vector<char> known_;
   std::vector<double> distance_;

@@ -149,9 +149,12 @@ void numberComponents(PoseGraph<D>& poses) {
     poses.component[static_cast<std::size_t>(i)] = poses.component[root];
     if (poses.held[static_cast<std::size_t>(i)]) anchored[static_cast<std::size_t>(poses.component[root])] = 1;
   }
-  for (std::size_t i = 0; i < poses.vertices.size(); ++i) {
-    int& anchor = anchored[static_cast<std::size_t>(poses.component[i])];
-    if (!anchor) poses.held[i] = static_cast<char>(anchor = 1);
+  // An origin of its own choice would turn and shift what the other estimates say.
+  for (const bool missing : {false, true}) {
+    for (std::size_t i = 0; i < poses.vertices.size(); ++i) {
+      int& anchor = anchored[static_cast<std::size_t>(poses.component[i])];
+      if (!anchor && (missing || poses.vertices[i]->hasEstimate())) poses.held[i] = static_cast<char>(anchor = 1);
+    }
   }
 }
 

@@ -43,7 +43,7 @@ bool hasRelativePoses(const Graph& graph, const Options& options);
 
 /// Reads every binary edge between two poses of kind D whose type can propagate a pose and does so as X_to = X_from ·
 /// Z, whatever Z depends on. Edges of `options.level` take part. Fixed vertices are held, and in each component without
-/// any the first pose is.
+/// any the first pose that has an estimate is, or the first of all.
 template <int D>
 PoseGraph<D> readPoseGraph(Graph& graph, const Options& options);
 

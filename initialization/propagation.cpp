@@ -77,7 +77,7 @@ class Propagation {
   void tellAll() {
     constexpr int patience = 256;
     for (int looks = 1; !now_.empty() || !later_.empty(); ++looks) {
-      if (looks % patience == 0 && stop_.reached()) throw GraphError("initial guess: the time is over");
+      if (looks % patience == 0) stop_.throwIfReached();
       if (now_.empty()) std::swap(now_, later_);
       const int edge = now_.top();
       now_.pop();

@@ -16,10 +16,12 @@ namespace quiver {
 /// of more than two vertices tells one when all its others are known, and a unary edge (a prior) tells its own.
 ///
 /// Roots are, per connected component: the vertices that are held, if they have an estimate, and those that a prior of
-/// full rank tells; else, of the vertices of largest dimension, the one of lowest id, which keeps its estimate or is
-/// put at the origin. Where edges cannot carry on from there (a landmark does not tell a pose), the next such vertex
-/// that has an estimate keeps it and becomes a root too. Held vertices, partly held ones included, keep their
-/// estimates.
+/// full rank tells; else one of those that have an estimate, which it keeps, or of all if none has, and that one is put
+/// at the origin if that can be written and read back. Of several it is a pose if there is one, of the largest
+/// dimension, of the lowest id. Where estimated landmarks cannot tell poses that have no estimate, a pose at the origin
+/// tells the landmarks instead. Where edges cannot carry on from a root (a landmark does not tell a pose), the next
+/// such vertex that has an estimate keeps it and becomes a root too. Held vertices, partly held ones included, keep
+/// their estimates.
 ///
 /// Edges of `options.level` take part, and where `options.free` names vertices, only those move. Returns a sentence for
 /// the summary. Throws GraphError naming the first vertex that ends without an estimate. O(E log E) for E edges.

@@ -101,7 +101,11 @@ std::string measuredPointsEstimate(Graph& graph, const Options& options) {
   quiet.algorithm = "auto";
   const Summary summary = optimize(copy, quiet);
   copyEstimates(copy, graph);
-  return fmt::format("{} pixels with depths taken for points, {} steps", count, summary.iterations.size());
+  const std::size_t steps = summary.iterations.size();
+  return fmt::format("{}, {} step{}",
+                     count == 1 ? "1 pixel with a depth taken for a point"
+                                : fmt::format("{} pixels with depths taken for points", count),
+                     steps, steps == 1 ? "" : "s");
 }
 
 }  // namespace quiver

@@ -17,18 +17,21 @@ inline auto cameraPose(const Numbers& n) {
   return SE3<S>(SO3<S>::fromUnit(n[3], n[4], n[5], n[6]), Vector<S, 3>(n[0], n[1], n[2]));
 }
 
-/// Reads a pose and then as many numbers as the line has, up to those of `values`; the others keep their value.
+/// Reads a pose, then fx fy cx cy, all or none, and behind these what else there is; what the line leaves out keeps its
+/// value.
 template <int N>
 inline void readCamera(FieldReader& reader, Vector<double, N>& values) {
   SE3<double> pose;
   ValueFields<SE3<double>>::read(reader, pose);
   values.template head<7>() = pose.toVector();
-  for (int i = 7; i < N && !reader.atEnd(); ++i) values[i] = reader.real();
+  if (!reader.atEnd()) reader.reals({values.data() + 7, 4});
+  for (int i = 11; i < N && !reader.atEnd(); ++i) values[i] = reader.real();
 }
 
 inline std::vector<Field> cameraFields() {
   std::vector<Field> fields = ValueFields<SE3<double>>::fields();
-  for (const char* name : {"fx", "fy", "cx", "cy"}) fields.push_back({name, "px", "may be left out with what follows"});
+  for (const char* name : {"fx", "fy", "cx", "cy"})
+    fields.push_back({name, "px", "all four may be left out, with what follows"});
   return fields;
 }
 
@@ -63,7 +66,7 @@ class ParameterStereoCamera : public BaseParameter<ParameterStereoCamera, Vector
   }
   static std::vector<Field> fields() {
     std::vector<Field> fields = detail::cameraFields();
-    fields.push_back({"baseline", "m", ""});
+    fields.push_back({"baseline", "m", "may be left out"});
     return fields;
   }
   void read(FieldReader& reader) {

@@ -56,7 +56,7 @@ std::string nameOf(const Json& edge) {
 }
 
 void printBridges(const Json& json) {
-  printLine("cycles", fmt::format("{} independent ones", json["independent_cycles"].dump()));
+  printLine("cycles", counted(json["independent_cycles"].get<std::int64_t>(), "independent one"));
   const Json& bridges = json["bridges"];
   if (bridges.empty()) return;
   const Json& first = bridges[0];
@@ -86,7 +86,8 @@ void printStructure(const Json& json) {
   list("without_estimate", "no estimate");
   list("zero_information", "zero weight");
   if (json["parallel_edges"].get<std::int64_t>() > 0)
-    printLine("parallel", fmt::format("{} edges join the same vertices as another one", json["parallel_edges"].dump()));
+    printLine("parallel", counted(json["parallel_edges"].get<std::int64_t>(), "edge joins", "edges join") +
+                              " the same vertices as another one");
   printLine("information", json["information"].get<std::string>());
 }
 
@@ -97,6 +98,9 @@ void printEdges(const Json& edges) {
   }
 }
 
+/// Edges of other levels take no part.
+bool hasOtherLevels(const Json& levels) { return levels.size() > (levels.contains("0") ? 1U : 0U); }
+
 void printResiduals(const Json& json) {
   const Json& undefined = json["undefined"];
   if (!undefined.empty()) {
@@ -105,7 +109,8 @@ void printResiduals(const Json& json) {
   } else if (json["chi2"].is_null()) {
     printLine("chi2", "infinite");
   } else {
-    printLine("chi2", fmt::format("{:.10g}, cost {:.10g}", json["chi2"].get<double>(), json["cost"].get<double>()));
+    printLine("chi2", fmt::format("{:.10g}, cost {:.10g}{}", json["chi2"].get<double>(), json["cost"].get<double>(),
+                                  hasOtherLevels(json["levels"]) ? ", of the edges of level 0 alone" : ""));
   }
   const Json& redundancy = json["redundancy"];
   const std::string probability =
@@ -128,7 +133,8 @@ void printResiduals(const Json& json) {
   } else if (suspects.empty()) {
     printLine("suspects", "none");
   } else {
-    printLine("suspects", fmt::format("{} edges that the others contradict{}", suspects.size(),
+    printLine("suspects", fmt::format("{} that the others contradict{}",
+                                      counted(static_cast<std::int64_t>(suspects.size()), "edge"),
                                       suspects.size() > shown ? fmt::format(", the first {}", shown) : ""));
     Json first = Json::array();
     for (std::size_t i = 0; i < std::min(shown, suspects.size()); ++i) first.push_back(suspects[i]);
@@ -141,14 +147,17 @@ void printFreedom(const Json& json) {
   const Json& gauges = json["gauge"];
   for (std::size_t i = 0; i < std::min(shown, gauges.size()); ++i) {
     const Json& gauge = gauges[i];
-    printLine("gauge",
-              fmt::format("{} free directions in a component of {} unknown vertices{}", gauge["free_directions"].dump(),
-                          gauge["vertices"].dump(), gauge["tested"].get<bool>() ? "" : " (not all could be tested)"));
+    printLine("gauge", fmt::format("{} in a component of {}{}",
+                                   counted(gauge["free_directions"].get<std::int64_t>(), "free direction"),
+                                   counted(gauge["vertices"].get<std::int64_t>(), "unknown vertex", "unknown vertices"),
+                                   gauge["tested"].get<bool>() ? "" : " (not all could be tested)"));
   }
   if (gauges.size() > shown) printLine("", fmt::format("and {} more components", gauges.size() - shown));
-  if (!json.contains("unconstrained") || json["unconstrained"].empty()) return;
+  if (json["unconstrained"].empty()) return;
   const Json& loose = json["unconstrained"];
-  printLine("loose", fmt::format("{} vertices have directions in which no edge holds them", loose.size()));
+  printLine("loose", loose.size() == 1
+                         ? "1 vertex has directions in which no edge holds it"
+                         : fmt::format("{} vertices have directions in which no edge holds them", loose.size()));
   for (std::size_t i = 0; i < std::min(shown, loose.size()); ++i) {
     std::string directions;
     for (const Json& direction : loose[i]["directions"])
@@ -165,10 +174,10 @@ void printNumbers(const Json& json) {
                                    depth["behind_camera"].dump(), depth["observations"].dump(),
                                    depth["first"]["type"].get<std::string>(), depth["first"]["vertices"].dump()));
   }
-  if (json.contains("redundancy")) {
-    printResiduals(json);
-  } else {
+  if (json["redundancy"]["measured"].is_null()) {
     printLine("chi2", "unknown: vertices have no estimate");
+  } else {
+    printResiduals(json);
   }
   printFreedom(json);
   if (!json.contains("plan")) return;

@@ -187,7 +187,9 @@ void addOptimizeFlags(CLI::App& command, OptimizeFlags& flags) {
           "asks for it")
       ->type_name("FILE")
       ->check(outputPath());
-  command.add_option("--json", flags.json, "Write a report of the run here (- is standard output)")
+  command
+      .add_option("--json", flags.json,
+                  "Write a report of the run here, for the exit codes 4 and 5 too (- is standard output)")
       ->type_name("FILE")
       ->check(outputPath());
   command.add_flag("--quiet", flags.quiet, "No progress and no summary; errors are told all the same");

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include <quiver/apps/support/counted.h>
+#include <quiver/core/util/error.h>
 
 namespace quiver::app {
 namespace {
@@ -126,11 +127,14 @@ class View {
     constexpr double point = 1e-9;
     const Extent extent = extentOf(scene);
     scale_ = (panelSize - 2.0 * margin) / (extent.side() > point ? extent.side() : 1.0);
-    x_ = left + panelSize / 2.0 - scale_ * (extent.minX + extent.maxX) / 2.0;
-    y_ = headHeight + panelSize / 2.0 + scale_ * (extent.minY + extent.maxY) / 2.0;
+    x_ = left + panelSize / 2.0 - scale_ * (extent.minX / 2.0 + extent.maxX / 2.0);
+    y_ = headHeight + panelSize / 2.0 + scale_ * (extent.minY / 2.0 + extent.maxY / 2.0);
   }
   std::string text(const PlanePoint& p) const {
-    return fmt::format("{:.1f} {:.1f}", x_ + scale_ * p.x, y_ - scale_ * p.y);
+    // What lies far beyond the frame has no number on the page.
+    constexpr double beyond = 1e6;
+    return fmt::format("{:.1f} {:.1f}", std::clamp(x_ + scale_ * p.x, -beyond, beyond),
+                       std::clamp(y_ - scale_ * p.y, -beyond, beyond));
   }
   /// Whether the panel shows the point.
   bool shows(const PlanePoint& p) const {
@@ -291,6 +295,11 @@ void drawLegend(Document& document, const std::vector<Scene>& scenes, const Misf
 }
 
 }  // namespace
+
+void checkExtent(const Scene& scene) {
+  if (!std::isfinite(extentOf(scene).side()))
+    throw GraphError("the extent of the estimates is not finite: there is no scale to draw them to");
+}
 
 std::string drawSvg(const std::vector<Scene>& scenes) {
   const MisfitScale scale(scenes);

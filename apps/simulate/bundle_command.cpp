@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/simulate/bundle.h>
+#include <quiver/apps/support/counted.h>
 #include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/outcome.h>
@@ -39,8 +40,8 @@ void simulateBundle(const Flags& flags) {
     throw OutputError(error.what());
   }
   std::FILE* const stream = flags.output == "-" || flags.truth == "-" ? stderr : stdout;
-  tell(stream, "a {} of {} cameras, {} points and {} observations, {:.1f} a point: {}\n", flags.bundle.scene,
-       counts.cameras, counts.points, counts.observations,
+  tell(stream, "a {} of {}, {} and {}, {:.1f} a point: {}\n", flags.bundle.scene, counted(counts.cameras, "camera"),
+       counted(counts.points, "point"), counted(counts.observations, "observation"),
        static_cast<double>(counts.observations) / static_cast<double>(std::max<std::int64_t>(counts.points, 1)),
        flags.output);
 }

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/simulate/wrong_loops.h>
+#include <quiver/apps/support/counted.h>
 #include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/graph_source.h>
 #include <quiver/apps/support/named_errors.h>
@@ -27,7 +28,7 @@ void simulateOutliers(const Flags& flags) {
   const std::int64_t added =
       naming(displayName(flags.source.path), [&] { return addWrongLoops(loaded.graph, flags.fraction, flags.seed); });
   saveGraph(flags.output, loaded.graph, flags.source.threads);
-  tell(flags.output == "-" ? stderr : stdout, "{} wrong loop closures added: {}\n", added, flags.output);
+  tell(flags.output == "-" ? stderr : stdout, "{} added: {}\n", counted(added, "wrong loop closure"), flags.output);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include <quiver/apps/simulate/world_settings.h>
+#include <quiver/apps/support/counted.h>
 #include <quiver/apps/support/flag_checks.h>
 #include <quiver/apps/support/outcome.h>
 #include <quiver/apps/support/output.h>
@@ -52,8 +53,8 @@ void simulate(const Flags& flags) {
     throw OutputError(error.what());
   }
   std::FILE* const stream = flags.output == "-" || flags.truth == "-" ? stderr : stdout;
-  tell(stream, "{} poses, {} landmarks and {} measurements: {}\n", counts.poses, counts.landmarks, counts.edges,
-       flags.output);
+  tell(stream, "{}, {} and {}: {}\n", counted(counts.poses, "pose"), counted(counts.landmarks, "landmark"),
+       counted(counts.edges, "measurement"), flags.output);
 }
 
 void addWorld(CLI::App& simulateCommand, WorldKind kind, const char* name, const char* text,

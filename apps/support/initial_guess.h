@@ -21,8 +21,9 @@ struct InitialGuess {
 /// Throws UsageError unless `name` is "file" or an initialiser of the registry.
 void checkInitialGuess(const std::string& name, const Registry& registry);
 
-/// Gives every vertex an estimate, or throws GraphError naming the first vertex without one and their number. "auto" is
-/// automaticStart(). The optimizer tells the options, and solves next.
+/// Gives every vertex an estimate, or throws GraphError naming the first vertex without one and their number;
+/// WorkStopped if the optimizer's options ask to stop before. "auto" is automaticStart(). The optimizer tells the
+/// options, and solves next.
 InitialGuess makeInitialGuess(Graph& graph, const std::string& name, Optimizer& optimizer);
 
 /// The number of vertices without an estimate.

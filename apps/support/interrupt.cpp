@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <cstring>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -15,9 +16,11 @@ namespace {
 // A signal handler can reach nothing but globals.
 volatile std::sig_atomic_t signalPipe = -1;
 volatile std::sig_atomic_t signalsSeen = 0;
+volatile std::sig_atomic_t saving = 0;
 
 // Requesting a stop is not allowed inside a handler, writing a byte is; the watcher does the rest.
 void onSignal(int signal) {
+  if (signalsSeen && saving) return;
   if (signalsSeen) _exit(128 + signal);
   signalsSeen = 1;
   const char byte = 1;
@@ -30,11 +33,12 @@ void setHandler(void (*handler)(int)) {
   action.sa_handler = handler;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  struct sigaction before;
-  sigaction(SIGHUP, nullptr, &before);
-  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);  // nohup asks to go on
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before;
+    sigaction(signal, nullptr, &before);
+    const bool ignored = signal == SIGHUP && before.sa_handler == SIG_IGN;  // nohup asks to go on
+    if (!ignored) sigaction(signal, &action, nullptr);
+  }
 }
 
 }  // namespace
@@ -59,5 +63,15 @@ Interrupt::~Interrupt() {
   watcher_.join();
   close(pipe_[0]);
 }
+
+Interrupt::Saving::Saving(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::file_type type = std::filesystem::status(path, error).type();
+  // What is written directly may wait for its reader for ever.
+  const bool replaced = type == std::filesystem::file_type::regular || type == std::filesystem::file_type::not_found;
+  saving = path != "-" && replaced ? 1 : 0;
+}
+
+Interrupt::Saving::~Saving() { saving = 0; }
 
 }  // namespace quiver::app

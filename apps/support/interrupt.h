@@ -1,6 +1,7 @@
 #pragma once
 
 #include <stop_token>
+#include <string>
 #include <thread>
 
 namespace quiver::app {
@@ -9,6 +10,16 @@ namespace quiver::app {
 /// ends the process at once. One at a time.
 class Interrupt {
  public:
+  /// While it lives, the second signal is ignored too: the file that is being written would be left unfinished beside
+  /// its place. Not where the path is no regular file's. One at a time.
+  class Saving {
+   public:
+    explicit Saving(const std::string& path);
+    ~Saving();
+    Saving(const Saving&) = delete;
+    Saving& operator=(const Saving&) = delete;
+  };
+
   Interrupt();
   ~Interrupt();
   Interrupt(const Interrupt&) = delete;

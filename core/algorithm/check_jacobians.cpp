@@ -244,6 +244,13 @@ std::string JacobianReport::describe() const {
   std::string text;
   for (const JacobianComparison& type : types) {
     const JacobianEntry& e = type.worst;
+    if (type.jumps > 0 && std::isinf(e.deviation) && e.vertices.empty()) {
+      text += fmt::format(
+          "{}: {} edges, nothing to compare: the error jumps within every step, or is no function of its arguments "
+          "alone\n",
+          type.tag, type.edges);
+      continue;
+    }
     text += fmt::format(
         "{}: {} ({}), {} edges, worst deviation {:.3g} at error {} by {} of role {}: {:.9g} instead of {:.9g}, "
         "vertices "

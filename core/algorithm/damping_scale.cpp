@@ -15,6 +15,9 @@ constexpr double most = 1e32;
 constexpr double rounding = 1e-29;
 /// Where no vertex of the type is measured in any coordinate, any positive number keeps them in place.
 constexpr double unmeasured = 1.0;
+/// What an entry keeps of itself at least after a step, and the share of a promise below which it keeps all.
+constexpr double mostShrinking = 0.5;
+constexpr double littleGain = 0.25;
 /// Bounds are repeated so often that loops over several variables are loops over vectors.
 constexpr std::size_t repeats = 8;
 
@@ -28,17 +31,21 @@ DampingScale::DampingScale(const Problem& problem) {
     classes_.push_back({begin, begin + count * dimension, dimension, least_.size()});
     least_.resize(least_.size() + repeats * dimension);
   }
+  remembered_.resize(static_cast<std::size_t>(problem.scalars()));
 }
 
-void DampingScale::update(std::span<const double> diagonal) {
-  diagonal_ = diagonal;
+void DampingScale::restart() { std::fill(remembered_.begin(), remembered_.end(), 0.0); }
+
+void DampingScale::update(std::span<const double> diagonal, double ratio) {
+  const double memory = ratio < littleGain ? 1.0 : mostShrinking;
+  for (std::size_t i = 0; i < diagonal.size(); ++i) remembered_[i] = std::max(memory * remembered_[i], diagonal[i]);
   for (const Class& own : classes_) {
     const std::size_t period = repeats * own.dimension;
     double* const bounds = least_.data() + own.bounds;
     std::fill_n(bounds, period, 0.0);
     for (std::size_t begin = own.begin; begin < own.end; begin += period) {
       const std::size_t count = std::min(period, own.end - begin);
-      for (std::size_t k = 0; k < count; ++k) bounds[k] = std::max(bounds[k], diagonal[begin + k]);
+      for (std::size_t k = 0; k < count; ++k) bounds[k] = std::max(bounds[k], remembered_[begin + k]);
     }
     const double ofAll = *std::max_element(bounds, bounds + period);
     for (std::size_t c = 0; c < own.dimension; ++c) {
@@ -70,7 +77,7 @@ void DampingScale::scaleRange(const Class& own, double lambda, std::size_t begin
     const std::size_t place = (begin - own.begin) % period;
     const std::size_t count = std::min(period - place, end - begin);
     for (std::size_t k = 0; k < count; ++k)
-      out[begin + k] = lambda * std::clamp(diagonal_[begin + k], bounds[place + k], most);
+      out[begin + k] = lambda * std::clamp(remembered_[begin + k], bounds[place + k], most);
     begin += count;
   }
 }

@@ -7,15 +7,23 @@
 
 namespace quiver {
 
-/// D, the diagonal of H kept between bounds, by which damped steps measure: whatever the units of a coordinate, since
-/// bounds are shares of the largest entry that the same coordinate has among vertices of the same type. Directions that
-/// nothing measures are damped so, and huge entries do not overflow.
+/// D, the diagonal of H with a memory, kept between bounds, by which damped steps measure: whatever the units of a
+/// coordinate, since bounds are shares of the largest entry that the same coordinate has among vertices of the same
+/// type. Directions that nothing measures are damped so, and huge entries do not overflow.
+///
+/// Entries shrink by half a step at most, and not at all after a step that brought little: where a derivative goes
+/// through zero, a step measured by it alone is the longer the less it can bring, and the descent would stay there.
+/// Moré
+/// ("The Levenberg–Marquardt algorithm: implementation and theory", 1978) keeps the largest entry for ever, which costs
+/// bundle adjustment many steps: points that were near a camera at first stay stiff.
 class DampingScale {
  public:
   explicit DampingScale(const Problem& problem);
 
-  /// Takes the diagonal of H, in the order of variables, which must stay as it is until the next call.
-  void update(std::span<const double> diagonal);
+  /// Forgets what was met: a descent begins.
+  void restart();
+  /// Takes the diagonal of H, in the order of variables, after a step that brought `ratio` of what it promised.
+  void update(std::span<const double> diagonal, double ratio = 1.0);
   /// out ← λ D, on at most so many threads.
   void scale(double lambda, int threads, std::span<double> out) const;
 
@@ -31,7 +39,7 @@ class DampingScale {
 
   std::vector<Class> classes_;
   std::vector<double> least_;
-  std::span<const double> diagonal_;
+  std::vector<double> remembered_;  // of each scalar
 };
 
 }  // namespace quiver

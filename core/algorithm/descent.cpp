@@ -9,7 +9,7 @@
 #include <quiver/core/algorithm/diagnosis.h>
 #include <quiver/core/algorithm/gradient_size.h>
 #include <quiver/core/algorithm/graph_watch.h>
-#include <quiver/core/algorithm/telling_damping.h>
+#include <quiver/core/algorithm/short_steps.h>
 #include <quiver/core/util/pieces.h>
 
 namespace quiver {
@@ -81,6 +81,13 @@ bool Descent::begin() {
   if (!totals_.finite()) {
     finish(Status::numericalFailure,
            describeBadEdge(totals_) + " at the start; check its measurement and the estimates of its vertices");
+    return false;
+  }
+  if (totals_.cost < 0.0) {
+    finish(Status::numericalFailure,
+           ShortText("the cost at the start is {:.6g}: a robust kernel must not be negative; checkKernels tells which "
+                     "one is",
+                     totals_.cost));
     return false;
   }
   if (!measureGradient()) return false;
@@ -202,8 +209,8 @@ bool Descent::stopRuleMet(double costBefore) {
     finish(Status::converged, "the cost is zero");
     return true;
   }
-  const bool shortened = damping_ > detail::mostTellingDamping;
-  if (!shortened && change < options_.costTolerance * std::abs(totals_.cost) &&
+  const bool tells = !(shortened_ || damping_ > detail::mostTellingDamping) || !isSteep();
+  if (tells && change < options_.costTolerance * std::abs(totals_.cost) &&
       !(damping_ == 0.0 && goesToAndFro(costBefore))) {
     finish(Status::converged, ShortText("the cost changed by {:.2e} of itself, less than {:.0e} is asked",
                                         change / totals_.cost, options_.costTolerance));
@@ -224,7 +231,7 @@ bool Descent::stopRuleMet(double costBefore) {
                                         options_.gradientTolerance));
     return true;
   }
-  if (!shortened && relativeStep_ < options_.stepTolerance && costRests(costBefore)) {
+  if (tells && relativeStep_ < options_.stepTolerance && costRests(costBefore)) {
     finish(Status::converged, ShortText("the step is {:.2e} of the estimate, less than {:.0e} is asked", relativeStep_,
                                         options_.stepTolerance));
     return true;
@@ -307,9 +314,15 @@ bool Descent::followsGradient() {
 }
 
 bool Descent::goesToAndFro(double costBefore) const {
+  return std::abs(costBefore - totals_.cost) < options_.costTolerance * std::abs(totals_.cost) && isSteep();
+}
+
+bool Descent::isSteep() const {
   constexpr double steep = 1e4;
-  const double tolerance = options_.costTolerance * std::abs(totals_.cost);
-  return std::abs(costBefore - totals_.cost) < tolerance && scaledGradient_ * scaledGradient_ > steep * tolerance;
+  constexpr double always = 0.01;
+  const double tolerance = options_.costTolerance;
+  const double share = std::max(tolerance, std::min(steep * tolerance, always));
+  return scaledGradient_ * scaledGradient_ > share * std::abs(totals_.cost);
 }
 
 void Descent::finishAtRest() {

@@ -79,6 +79,8 @@ class Descent {
   const Options& options() const { return options_; }
   const StopCondition& stop() const { return stop_; }
   void setDamping(double damping) { report_.damping = damping_ = damping; }
+  /// Whether a radius, and not damping, makes the step under way shorter than a full one.
+  void setShortened(bool shortened) { shortened_ = shortened; }
   void setLinearIterations(int iterations) { report_.linearIterations = iterations; }
   bool ended() const { return ended_; }
 
@@ -86,6 +88,9 @@ class Descent {
   void emitReport(bool accepted);
   void callBack();
   bool stopRuleMet(double costBefore);
+  /// Whether a single coordinate could lower the cost by far more than the tolerance: then a step that was made short
+  /// and brought little does not tell of an optimum.
+  bool isSteep() const;
   /// Whether the cost is what the rounding of estimates makes of errors that are zero.
   bool costIsRounding() const;
   bool costRests(double costBefore) const;
@@ -114,14 +119,15 @@ class Descent {
   double scaledGradient_ = 0.0;
   double relativeStep_ = 0.0;
   double damping_ = 0.0;
+  bool shortened_ = false;
   IterationReport report_;
   Stopwatch watch_;
   bool ended_ = false;
 };
 
-/// Full steps of H δ = −g while they work. When `careful`, at most three steps in a row may leave the cost above the
-/// lowest met: then, or if a step cannot be computed, it returns to the best estimate and returns false without ending
-/// the descent: the caller may go on with damping.
+/// Full steps of H δ = −g while they work. When `careful`, at most three steps in a row may bring no progress before
+/// one leaves the cost above the lowest met: then, or if a step cannot be computed, it returns to the best estimate and
+/// returns false without ending the descent: the caller may go on with damping.
 bool gaussNewton(Descent& descent, bool careful);
 
 /// Damped steps (H + λ D) δ = −g, D of DampingScale; λ follows the ratio of actual to predicted

@@ -204,7 +204,8 @@ std::string diagnoseFailure(const Problem& problem, LinearSystem& system, const 
     if (gauge.free == 0) continue;
     const int slot = problem.slotOfVariable(gauge.anchor);
     return fmt::format(
-        "a component of {} vertices may move as a whole in {} direction{}, since nothing ties it to the world: fix "
+        "a component of {} vertices may move as a whole in {} direction{} that no error resists at these "
+        "estimates: fix "
         "vertex {} ({}; {}) "
         "with --fix {}{}{}",
         gauge.variables.size(), gauge.free, gauge.free == 1 ? "" : "s", problem.vertex(slot).id(),

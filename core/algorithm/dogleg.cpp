@@ -4,6 +4,7 @@
 
 #include <quiver/core/algorithm/damping_scale.h>
 #include <quiver/core/algorithm/descent.h>
+#include <quiver/core/algorithm/short_steps.h>
 
 namespace quiver {
 namespace {
@@ -32,12 +33,15 @@ class DoglegPath {
         cauchy_(descent.scratch(1)),
         full_(descent.scratch(2)),
         product_(descent.scratch(3)),
-        damping_(descent.scratch(4)) {}
+        damping_(descent.scratch(4)) {
+    descent.dampingScale().restart();
+  }
 
-  /// Computes both steps; factors once, again only where H is not positive definite.
-  LinearOutcome compute(Descent& descent) {
+  /// Computes both steps after one that brought `ratio` of its promise; factors once, again only where H is not
+  /// positive definite.
+  LinearOutcome compute(Descent& descent, double ratio) {
     LinearSystem& system = descent.system();
-    descent.dampingScale().update(system.diagonal());
+    descent.dampingScale().update(system.diagonal(), ratio);
     descent.dampingScale().scale(1.0, descent.vectorThreads(), scale_);
     const auto gradient = system.gradient();
     for (std::size_t i = 0; i < cauchy_.size(); ++i) cauchy_[i] = -gradient[i] / scale_[i];
@@ -128,19 +132,21 @@ void dogleg(Descent& descent) {
   std::vector<double>& delta = descent.delta();
   DoglegPath path(descent);
   double radius = std::numeric_limits<double>::infinity();  // the first full step is tried
+  double ratio = 1.0;
   while (!descent.exhausted()) {
-    const LinearOutcome outcome = path.compute(descent);
+    const LinearOutcome outcome = path.compute(descent, ratio);
     if (!outcome.ok()) return descent.fail(outcome);
     descent.setLinearIterations(outcome.iterations);
     for (bool accepted = false; !accepted && !descent.exhausted();) {
       path.stepOfLength(radius, delta);
       descent.setDamping(path.regularization());
       const bool whole = path.fullNorm() <= radius;
+      descent.setShortened(!whole);
       const double length = path.norm(delta);
       const double predicted = path.predictedDecrease(descent.system(), delta);
       const CostTotals trial = descent.tryStep();
       const double actual = descent.totals().cost - trial.cost;
-      double ratio = trial.finite() && predicted > 0.0 ? actual / predicted : -1.0;
+      ratio = trial.finite() && predicted > 0.0 ? actual / predicted : -1.0;
       // Where the model promises less than rounding can tell, a full step that does not raise the cost is as good as
       // the model says.
       if (whole && trial.finite() && predicted <= 1e-13 * descent.totals().cost && actual >= 0.0) ratio = 1.0;
@@ -158,9 +164,7 @@ void dogleg(Descent& descent) {
         return descent.finishWithoutProspect(promise);
       if (descent.atRest(whole)) return descent.finishAtRest();
       if (radius <= leastRadius * path.fullNorm()) {
-        return descent.finish(
-            Status::stalled,
-            "no step lowers the cost, however short; a wrong Jacobian does this: try checkJacobians(graph)");
+        return descent.finish(Status::stalled, detail::stalledReason);
       }
     }
   }

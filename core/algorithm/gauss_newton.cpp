@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -10,9 +11,12 @@ namespace {
 
 /// Once a step changed the cost by less than this of itself, H hardly changes any more and its last factor serves on.
 constexpr double chordChange = 1e-6;
-/// So many steps in a row may leave the cost above the lowest met: a full step far from the optimum often overshoots
-/// and still leads to where the next ones converge.
+/// After so many steps in a row without progress, none may leave the cost above the lowest met: a full step far from
+/// the optimum often overshoots and still leads to where the next ones converge.
 constexpr int mostDetours = 3;
+/// Progress: the lowest cost falls by this share of what the step promised. Steps that leap from one side of a valley
+/// to the other promise much and bring next to nothing.
+constexpr double leastProgress = 0.1;
 /// A step so many times as long as the estimate leaps out of the basin of the start; if it gains nothing there, what
 /// lies beyond may be a minimum at infinity.
 constexpr double leap = 10.0;
@@ -59,11 +63,12 @@ bool gaussNewton(Descent& descent, bool careful) {
       descent.finishWithoutProspect(predicted);
       return true;
     }
+    const double lowest = descent.bestCost();
     const CostTotals trial = descent.tryStep();
     const bool rises = !(trial.cost <= before * (1.0 + 1e-9));
-    const bool above = !(trial.cost <= descent.bestCost() * (1.0 + 1e-9));
+    const bool above = !(trial.cost <= lowest * (1.0 + 1e-9));
     const bool leaps = above && descent.relativeStep() > leap;
-    const bool works = trial.finite() && !(chord && rises) && !(careful && above && (detours == mostDetours || leaps));
+    const bool works = trial.finite() && !(chord && rises) && !(careful && above && (detours >= mostDetours || leaps));
     if (!works) {
       descent.reject();
       if (chord) {
@@ -78,7 +83,8 @@ bool gaussNewton(Descent& descent, bool careful) {
     }
     if (descent.accept(trial)) return true;
     const bool idle = descent.goesToAndFro(before);
-    detours = above || idle ? detours + 1 : 0;
+    const bool progress = !idle && lowest - trial.cost >= leastProgress * std::max(predicted, 0.0);
+    detours = progress ? 0 : detours + 1;
     if (idle && detours > mostDetours)
       return giveUp(descent, careful, "full steps go to and fro and leave the cost as it is; try --algorithm lm");
     chord = std::abs(before - trial.cost) <= chordChange * before;

@@ -5,7 +5,7 @@
 
 #include <quiver/core/algorithm/damping_scale.h>
 #include <quiver/core/algorithm/descent.h>
-#include <quiver/core/algorithm/telling_damping.h>
+#include <quiver/core/algorithm/short_steps.h>
 #include <quiver/core/util/lane_sums.h>
 #include <quiver/core/util/pieces.h>
 
@@ -58,6 +58,7 @@ void levenbergMarquardt(Descent& descent) {
   std::vector<double>& scaled = descent.scratch(0);
   Damping damping(descent.options().initialDamping);
   DampingScale& scale = descent.dampingScale();
+  scale.restart();
   scale.update(system.diagonal());
   int failures = 0;
   while (!descent.exhausted()) {
@@ -84,7 +85,7 @@ void levenbergMarquardt(Descent& descent) {
       damping.succeed(ratio);
       failures = 0;
       if (descent.accept(trial)) return;
-      scale.update(system.diagonal());
+      scale.update(system.diagonal(), ratio);
       continue;
     }
     descent.reject();
@@ -96,9 +97,7 @@ void levenbergMarquardt(Descent& descent) {
     damping.fail();
     if (damping.hopeless()) {
       if (!outcome.ok()) return descent.fail(outcome);
-      return descent.finish(
-          Status::stalled,
-          "no step lowers the cost, however strongly damped; a wrong Jacobian does this: try checkJacobians(graph)");
+      return descent.finish(Status::stalled, detail::stalledReason);
     }
   }
 }

@@ -113,7 +113,7 @@ bool chooseAlgorithm(const NamedEntry<Algorithm>* asked, bool robust, const Gaug
   plan.algorithmReason = plan.eliminated > 0 ? "vertices are eliminated"
                          : robust            ? "edges have robust kernels"
                          : gauge.free > 0    ? "the gauge is free"
-                                             : "full steps while they lower the cost";
+                                             : "full steps while they make progress";
   return damped;
 }
 

@@ -161,7 +161,8 @@ class Conformance {
     const auto count = static_cast<std::size_t>(type.valueCount(vertex));
     const std::vector<double> x(type.values(vertex), type.values(vertex) + count);
     std::vector<double> delta(static_cast<std::size_t>(dimension), 0.0), out(count);
-    expect(type.tangentNames(dimension).size() == delta.size(), type, "oplus", "a direction has no name");
+    const std::size_t names = type.tangentNames(dimension).size();
+    expect(names == delta.size(), type, "oplus", fmt::format("{} names for {} directions", names, delta.size()));
     type.retract(x.data(), delta.data(), out.data(), dimension);
     double size = 1.0, change = 0.0;
     for (std::size_t i = 0; i < count; ++i) {

@@ -12,18 +12,19 @@
 namespace quiver {
 namespace {
 
-/// A derivative by differences, and how far it can be from the true one: two steps and their disagreement.
+/// A derivative by differences, and how far it can be from the true one: two steps and their disagreement, and what
+/// rounding leaves of numbers as large as `size`.
 struct Slope {
   double value;
   double uncertainty;
 };
 
 template <typename Function>
-Slope slopeOf(const Function& f, double at) {
+Slope slopeOf(const Function& f, double at, double size) {
   const double h = 1e-4 * at;
   const auto difference = [&](double step) { return (f(at + step) - f(at - step)) / (2.0 * step); };
   const double wide = difference(h), narrow = difference(0.5 * h);
-  const double rounding = 1e-12 * (std::abs(f(at)) + at) / h;
+  const double rounding = (1e-12 * (std::abs(f(at)) + at) + 1e-15 * size) / h;
   return {narrow, 2.0 * std::abs(wide - narrow) + rounding};
 }
 
@@ -46,10 +47,12 @@ std::string brokenAt(const RobustKernel& kernel, double squaredError) {
                                value.second);
   }
   if (value.weight < 0.0) return where + fmt::format("the weight is {:.9g}; it must not be negative", value.weight);
-  const Slope first = slopeOf([&](double e) { return kernel.evaluate(e).rho; }, squaredError);
+  // Formulas like w² log(1 + e/w²) round as w² does, however small e is.
+  const double size = kernel.type()->squaredWidth ? kernel.width() : kernel.width() * kernel.width();
+  const Slope first = slopeOf([&](double e) { return kernel.evaluate(e).rho; }, squaredError, size);
   if (!agrees(value.weight, first))
     return where + fmt::format("the weight is {:.9g}, the slope of rho {:.9g}", value.weight, first.value);
-  const Slope second = slopeOf([&](double e) { return kernel.evaluate(e).weight; }, squaredError);
+  const Slope second = slopeOf([&](double e) { return kernel.evaluate(e).weight; }, squaredError, 1.0);
   if (!agrees(value.second, second))
     return where +
            fmt::format("the second derivative is {:.9g}, the slope of the weight {:.9g}", value.second, second.value);

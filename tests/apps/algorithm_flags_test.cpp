@@ -74,6 +74,20 @@ TEST_F(AlgorithmFlags, AHangupStopsWhatDoesNotIgnoreIt) {
   EXPECT_TRUE(exists("out.g2o"));
 }
 
+TEST_F(AlgorithmFlags, ASecondSignalLeavesWhatIsBeingSaved) {
+  write("long.g2o", chainOf(400000));
+  // Signals come once part of the output is there; should it be complete by then, they come too late and change
+  // nothing.
+  const CommandResult result =
+      run("optimize long.g2o -o out.g2o.gz --time-limit 0 & for i in $(seq 1000); do "
+          "test -n \"$(find . -name '.quiver-*' -size +0)\" && break; sleep 0.01; done; "
+          "kill -TERM $!; sleep 0.02; kill -TERM $!; wait $!");
+  EXPECT_EQ(result.exitCode, 5) << result.err;
+  EXPECT_TRUE(exists("out.g2o.gz"));
+  for (const auto& entry : std::filesystem::directory_iterator(folder()))
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+}
+
 TEST_F(AlgorithmFlags, IterativeSolversEndEarlierWhereLessIsAsked) {
   ASSERT_EQ(run("simulate bundle -o in.bal --cameras 30 --points 600").exitCode, 0);
   for (const std::string solver : {"pcg", "power"}) {

@@ -113,6 +113,22 @@ TEST_F(EvaluateCommand, AStepBeyondTheEndIsRefused) {
   EXPECT_EQ(Json::parse(run("evaluate a.txt a.txt --step 2 --json -").out)["relative"]["translation_m"]["count"], 1);
 }
 
+TEST_F(EvaluateCommand, ErrorsThatAreNotFiniteAreNoResult) {
+  write("truth.g2o", "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_SE2 2 1 1 0\n");
+  write("huge.g2o", "VERTEX_SE2 0 1e308 0 0\nVERTEX_SE2 1 -1e308 0 0\nVERTEX_SE2 2 1 1 0\n");
+  for (const char* align : {"none", "se2", "se3", "sim3"}) {
+    const CommandResult result =
+        run(std::string("evaluate huge.g2o truth.g2o -o e.svg --json e.json --align ") + align);
+    EXPECT_EQ(result.exitCode, 3) << align;
+    EXPECT_EQ(result.err.rfind("huge.g2o: the positions' extent", 0), 0u) << result.err;
+    EXPECT_FALSE(exists("e.svg") || exists("e.json")) << align;
+  }
+  write("far.g2o", "VERTEX_SE2 0 1e300 0 0\nVERTEX_SE2 1 1e300 0 0\nVERTEX_SE2 2 1e300 0 0\n");
+  const CommandResult apart = run("evaluate far.g2o truth.g2o --align none");
+  EXPECT_EQ(apart.exitCode, 3);
+  EXPECT_EQ(apart.err.rfind("far.g2o against truth.g2o: the positions' extent", 0), 0u) << apart.err;
+}
+
 TEST_F(EvaluateCommand, ASinglePoseHasNoRelativeError) {
   write("a.txt", "0 1 2 3 0 0 0 1\n");
   const CommandResult table = run("evaluate a.txt a.txt --align none");

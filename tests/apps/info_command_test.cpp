@@ -96,6 +96,33 @@ TEST_F(InfoCommand, SuspectsAreTheWrongLoopClosures) {
   EXPECT_TRUE(far["suspects"].empty());
 }
 
+TEST_F(InfoCommand, AnEstimateMissingWhereNoEdgeIsHidesNothing) {
+  const std::string two = pose(0, 0.0) + pose(1, 1.5) + step(0, 1, "1 0 0");
+  write("complete.g2o", two);
+  write("apart.g2o", two + "#quiver vertex VERTEX_SE2 9\n");
+  write("missing.g2o", "#quiver vertex VERTEX_SE2 9\n" + two + step(1, 9, "1 0 0"));
+  const Json complete = info("complete.g2o"), apart = info("apart.g2o"), missing = info("missing.g2o");
+  EXPECT_EQ(apart["without_estimate"], Json({9}));
+  for (const auto& [key, value] : complete.items()) {
+    EXPECT_TRUE(apart.contains(key)) << key;
+    EXPECT_TRUE(missing.contains(key)) << key;
+  }
+  EXPECT_EQ(apart["chi2"], complete["chi2"]);
+  EXPECT_EQ(apart["redundancy"], complete["redundancy"]);
+  EXPECT_EQ(apart["gauge"], complete["gauge"]);
+  EXPECT_TRUE(missing["chi2"].is_null());
+  EXPECT_TRUE(missing["redundancy"]["measured"].is_null());
+  EXPECT_NE(run("info missing.g2o").out.find("unknown: vertices have no estimate"), std::string::npos);
+}
+
+TEST_F(InfoCommand, SaysWhichLevelIsCounted) {
+  const std::string two = pose(0, 0.0) + pose(1, 1.5) + step(0, 1, "1 0 0");
+  write("one.g2o", two);
+  write("levels.g2o", two + step(0, 1, "2 0 0") + "#quiver level 1\n");
+  EXPECT_EQ(run("info one.g2o").out.find("of level 0 alone"), std::string::npos);
+  EXPECT_NE(run("info levels.g2o").out.find("cost 0.25, of the edges of level 0 alone"), std::string::npos);
+}
+
 TEST_F(InfoCommand, DrawsMatricesBeforeAndAfterOrdering) {
   ASSERT_EQ(run("simulate manhattan -o a.g2o --poses 300").exitCode, 0);
   const CommandResult drawn = run("plot a.g2o --structure -o s.svg");

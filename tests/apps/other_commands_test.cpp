@@ -53,6 +53,19 @@ TEST_F(OtherCommands, SimulatedNoiseHasTheStatedSize) {
   EXPECT_NEAR(truth["chi2"].get<double>(), freedom, 5.0 * std::sqrt(2.0 * freedom));
 }
 
+TEST_F(OtherCommands, OneIsNoPlural) {
+  EXPECT_NE(run("simulate sphere -o a.g2o --laps 1 --nodes-per-lap 3").out.find("a sphere of 3 poses in 1 lap and "),
+            std::string::npos);
+  write("one.g2o", "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n");
+  EXPECT_NE(run("optimize one.g2o --init tree").out.find(" tells 1 vertex, "), std::string::npos);
+  write("pair.g2o",
+        "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\n"
+        "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n");
+  const std::string told = run("info pair.g2o").out;
+  EXPECT_NE(told.find("1 independent one\n"), std::string::npos) << told;
+  EXPECT_NE(told.find("1 edge joins the same vertices as another one"), std::string::npos) << told;
+}
+
 TEST_F(OtherCommands, InfoTellsOfTrouble) {
   write("in.g2o", std::string(square) +
                       "VERTEX_SE2 9 0 0 0\nVERTEX_SE2 20 0 0 0\nVERTEX_SE2 21 1 0 0\n"

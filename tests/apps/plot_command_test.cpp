@@ -117,6 +117,18 @@ TEST_F(PlotCommand, SaysWhyNothingCanBeDrawn) {
               HasSubstr("plane.g2o: nothing to draw: of 1 vertex, 0 without estimate, and 1 of types"));
 }
 
+TEST_F(PlotCommand, RefusesAnExtentThatIsNotFinite) {
+  write("huge.g2o", "VERTEX_SE2 0 1e308 0 0\nVERTEX_SE2 1 -1e308 0 0\n");
+  const CommandResult result = run("plot huge.g2o -o picture.svg");
+  EXPECT_EQ(result.exitCode, 3);
+  EXPECT_THAT(result.err, ::testing::StartsWith("huge.g2o: the extent of the estimates is not finite"));
+  EXPECT_FALSE(exists("picture.svg"));
+  write("far.g2o", "VERTEX_SE2 0 1e308 1e308 0\nVERTEX_SE2 1 1.5e308 1e308 0\n");
+  const std::string picture = drawn("far.g2o");
+  EXPECT_THAT(picture, Not(HasSubstr("nan")));
+  EXPECT_THAT(picture, Not(HasSubstr("inf")));
+}
+
 TEST_F(PlotCommand, StructureNeedsNoEstimates) {
   const std::string edges =
       "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\nEDGE_SE2 2 3 1 0 0 1 0 0 1 0 1\n";

@@ -62,6 +62,35 @@ TEST_F(UnusualGraphs, APartMovesAloneWhateverTheStart) {
   }
 }
 
+TEST_F(UnusualGraphs, WhatHasAnEstimateIsNotMovedByWhatHasNone) {
+  write("segment.g2o",
+        "VERTEX_SE2 0 5 5 0\n#quiver vertex VERTEX_SEGMENT2D 5\n"
+        "EDGE_SE2_SEGMENT2D 0 5 1 1 1 3 1 0 0 0 1 0 0 1 0 1\n");
+  (void)optimize("segment.g2o -o out.g2o");
+  EXPECT_NE(read("out.g2o").find("VERTEX_SE2 0 5 5 0\n"), std::string::npos) << read("out.g2o");
+  EXPECT_NE(read("out.g2o").find("VERTEX_SEGMENT2D 5 6 6 6 8\n"), std::string::npos) << read("out.g2o");
+
+  write("odometry.g2o",
+        "#quiver vertex VERTEX_SE2 0\nVERTEX_SE2 1 5 5 0\nVERTEX_SE2 2 6 6 0\n"
+        "EDGE_SE2 0 1 1 1 0 1 0 0 1 0 1\nEDGE_SE2 1 2 1 1 0 1 0 0 1 0 1\n");
+  for (const char* start : {"auto", "tree", "odometry", "chordal"}) {
+    (void)optimize("odometry.g2o -o out.g2o --init " + std::string(start));
+    for (int id = 0; id < 3; ++id) {
+      const std::string text = read("out.g2o"), tag = "VERTEX_SE2 " + std::to_string(id) + " ";
+      double x = 0.0, y = 0.0;
+      ASSERT_NE(text.find(tag), std::string::npos) << text;
+      ASSERT_EQ(std::sscanf(text.c_str() + text.find(tag) + tag.size(), "%lf %lf", &x, &y), 2);
+      EXPECT_NEAR(x, 4.0 + id, 1e-6) << start;
+      EXPECT_NEAR(y, 4.0 + id, 1e-6) << start;
+    }
+  }
+
+  write("line.g2o", "VERTEX_SE2 0 0 0 0\n#quiver vertex VERTEX_SEGMENT2D 5\nEDGE_SE2_SEGMENT2D_LINE 0 5 0 2 1 0 1\n");
+  const CommandResult untold = run("optimize line.g2o");
+  EXPECT_EQ(untold.exitCode, 3);
+  EXPECT_NE(untold.err.find("no edge tells where vertex 5 (VERTEX_SEGMENT2D)"), std::string::npos) << untold.err;
+}
+
 TEST_F(UnusualGraphs, AnOutputWithoutANameIsRefused) {
   write("one.g2o", "VERTEX_XY 0 0 0\nEDGE_PRIOR_XY 0 1 1 1 0 1\n");
   for (const char* arguments : {"optimize one.g2o -o ''", "optimize one.g2o --json ''", "info one.g2o --json ''",

@@ -15,7 +15,10 @@ using namespace test;
 /// Powell's dogleg with dense matrices; the point of the path at a radius by bisection.
 class DoglegTwin {
  public:
-  explicit DoglegTwin(DenseTwin world) : world_(std::move(world)) { linearize(); }
+  explicit DoglegTwin(DenseTwin world)
+      : world_(std::move(world)), scale_(Eigen::VectorXd::Zero(world_.linearize().g.size())) {
+    linearize();
+  }
 
   /// One trial; whether it is accepted.
   bool step() {
@@ -27,6 +30,7 @@ class DoglegTwin {
     if (ratio < 0.25) radius_ = 0.5 * std::min(radius_, length);
     if (!(ratio > 1e-3)) return false;
     world_.move(delta);
+    memory_ = ratio < 0.25 ? 1.0 : 0.5;
     linearize();
     return true;
   }
@@ -35,7 +39,7 @@ class DoglegTwin {
  private:
   void linearize() {
     system_ = world_.linearize();
-    scale_ = system_.H.diagonal();
+    scale_ = (memory_ * scale_).cwiseMax(system_.H.diagonal());
     full_ = system_.H.ldlt().solve(-system_.g);
     const Eigen::VectorXd down = -system_.g.cwiseQuotient(scale_);
     cauchy_ = down * (-down.dot(system_.g) / down.dot(system_.H * down));
@@ -55,6 +59,7 @@ class DoglegTwin {
   DenseTwin world_;
   DenseTwin::System system_;
   Eigen::VectorXd scale_, full_, cauchy_;
+  double memory_ = 0.0;
   double radius_ = std::numeric_limits<double>::infinity();
 };
 

@@ -137,6 +137,20 @@ TEST(Units, DampingIsBoundedByTheLargestOfItsKind) {
       }
     }
   }
+  // Entries that shrink are remembered until a descent begins: all after a step that brings little, else half.
+  std::vector<double> before(diagonal.size()), after(diagonal.size()), forgotten(diagonal.size());
+  scale.scale(1.0, 1, before);
+  const std::vector<double> nothing(diagonal.size(), 1e-40);
+  scale.update(nothing, 0.1);
+  scale.scale(1.0, 1, after);
+  EXPECT_EQ(after, before);
+  scale.update(nothing, 0.9);
+  scale.scale(2.0, 1, after);
+  EXPECT_EQ(after, before);
+  scale.restart();
+  scale.update(nothing);
+  scale.scale(1.0, 1, forgotten);
+  EXPECT_EQ(forgotten, nothing);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <quiver/core/util/error.h>
+#include <quiver/core/util/stop_condition.h>
 #include <quiver/initialization/chordal.h>
 #include <quiver/quiver.h>
 #include <quiver/types_sba/models/edge_project.h>
@@ -93,6 +94,21 @@ TEST(ChordalLandmarks, AFailedGuessLeavesEstimatesAsTheyWere) {
   EXPECT_EQ(graph.vertex<VertexSE3>(5).estimate().translation()[0], 0.0);
   EXPECT_EQ(graph.vertex<VertexXYZ>(103).estimate(), before);
   EXPECT_TRUE(graph.findVertex(103)->hasEstimate());
+}
+
+TEST(ChordalLandmarks, AGuessThatIsStoppedSaysSo) {
+  Graph graph = camerasInARow(true);
+  EXPECT_THROW((void)chordalEstimate(graph, {.timeLimit = 0.0}), WorkStopped);
+  EXPECT_EQ(graph.vertex<VertexSE3>(5).estimate().translation()[0], 0.0);
+}
+
+TEST(ChordalLandmarks, TheFirstPoseThatHasAnEstimateKeepsIt) {
+  Graph graph = pointsInARow(2);
+  graph.vertex<VertexSE2>(0).setHasEstimate(false);
+  graph.vertex<VertexSE2>(1).setEstimate(SE2<double>(6.0, 5.0, 0.0));
+  (void)chordalEstimate(graph, {});
+  EXPECT_NEAR(graph.vertex<VertexSE2>(0).estimate().translation()[0], 5.0, 1e-9);
+  EXPECT_NEAR(graph.vertex<VertexSE2>(0).estimate().translation()[1], 5.0, 1e-9);
 }
 
 }  // namespace

@@ -11,9 +11,11 @@
 #include <quiver/core/io/g2o/g2o_reader.h>
 #include <quiver/core/util/error.h>
 #include <quiver/plugins/builtin.h>
+#include <quiver/types_slam2d/addons/edge_segment2d.h>
 #include <quiver/types_slam2d/edge_se2.h>
 #include <quiver/types_slam2d/edge_se2_xy.h>
 #include <quiver/types_slam2d/register.h>
+#include <quiver/types_slam3d/addons/vertex_line3d.h>
 #include <quiver/types_slam3d/register.h>
 
 namespace quiver {
@@ -64,6 +66,15 @@ class EdgeSum : public BaseEdge<EdgeSum, 2, double, VertexMark, VertexMark, Vert
   }
 };
 
+/// How far a line passes from the origin.
+class EdgeLineDistance : public BaseEdge<EdgeLineDistance, 1, double, VertexLine3D> {
+ public:
+  template <typename S>
+  static Vector<S, 1> computeError(const S& distance, const Vector<S, 6>& line) {
+    return Vector<S, 1>(line[0] * line[0] + line[1] * line[1] + line[2] * line[2] - distance * distance);
+  }
+};
+
 std::shared_ptr<Registry> makeRegistry() {
   auto registry = std::make_shared<Registry>();
   registerSlam2d(*registry);
@@ -73,6 +84,7 @@ std::shared_ptr<Registry> makeRegistry() {
   registry->addEdge<EdgeDistance>("EDGE_DISTANCE");
   registry->addEdge<EdgeKnownPose>("EDGE_KNOWN_POSE");
   registry->addEdge<EdgeSum>("EDGE_SUM");
+  registry->addEdge<EdgeLineDistance>("EDGE_LINE_DISTANCE");
   return registry;
 }
 
@@ -154,6 +166,71 @@ TEST(SpanningTree, EveryComponentHasARootOfLargestDimension) {
   EXPECT_EQ(xOf(graph, 4), 6.0);
 }
 
+TEST(SpanningTree, GrowsFromWhatHasAnEstimate) {
+  Graph graph(makeRegistry());
+  graph.addVertex<VertexSE2>(0);
+  for (int id = 1; id < 3; ++id) graph.addVertex<VertexSE2>(id, SE2<double>(4.0 + id, 5.0, 0.0));
+  for (int id = 0; id < 2; ++id) step(graph, id, id + 1, 1.0, 1.0);
+  EXPECT_THAT(spanningTreeEstimate(graph), HasSubstr("from vertex 1"));
+  for (int id = 0; id < 3; ++id) EXPECT_EQ(xOf(graph, id), 4.0 + id);
+  EXPECT_EQ(graph.vertex<VertexSE2>(0).estimate().translation()[1], 5.0);
+
+  // Fixed where nobody knows is no reason either.
+  graph.vertex<VertexSE2>(0).setHasEstimate(false);
+  graph.vertex<VertexSE2>(0).setFixed(true);
+  spanningTreeEstimate(graph);
+  for (int id = 0; id < 3; ++id) EXPECT_EQ(xOf(graph, id), 4.0 + id);
+}
+
+TEST(SpanningTree, GrowsFromAPoseRatherThanALargerLandmark) {
+  for (const bool known : {true, false}) {
+    Graph graph(makeRegistry());
+    graph.addVertex<VertexSE2>(0);
+    if (known) graph.vertex<VertexSE2>(0).setEstimate(SE2<double>(5.0, 5.0, 0.0));
+    graph.addVertex<VertexSegment2D>(5);
+    graph.addEdge<EdgeSE2Segment2D>({0, 5}, Vector<double, 4>(1.0, 1.0, 1.0, 3.0), Matrix<double, 4, 4>::Identity());
+    EXPECT_THAT(spanningTreeEstimate(graph), HasSubstr("tells 1 vertex, from vertex 0"));
+    const double at = known ? 5.0 : 0.0;
+    EXPECT_EQ(xOf(graph, 0), at);
+    EXPECT_EQ(graph.vertex<VertexSegment2D>(5).estimate(), (Vector<double, 4>(at + 1, at + 1, at + 1, at + 3)));
+  }
+}
+
+TEST(SpanningTree, APoseAtTheOriginTellsLandmarksThatCannotTellIt) {
+  Graph graph(makeRegistry());
+  graph.addVertex<VertexXY>(0, Vector<double, 2>(8.0, 8.0));
+  for (int id = 1; id < 3; ++id) graph.addVertex<VertexSE2>(id);
+  step(graph, 1, 2, 1.0, 1.0);
+  graph.addEdge<EdgeSE2XY>({1, 0}, Vector<double, 2>(0.0, 2.0), Matrix<double, 2, 2>::Identity());
+  EXPECT_THAT(spanningTreeEstimate(graph), HasSubstr("tells 2 vertices, from vertex 1"));
+  EXPECT_EQ(xOf(graph, 2), 1.0);
+  EXPECT_EQ(graph.vertex<VertexXY>(0).estimate(), (Vector<double, 2>(0.0, 2.0)));
+}
+
+void expectUntold(Graph& graph, const std::string& vertex) {
+  try {
+    spanningTreeEstimate(graph);
+    FAIL() << vertex;
+  } catch (const GraphError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no edge tells where vertex " + vertex));
+  }
+}
+
+TEST(SpanningTree, NoOriginStandsForWhatNothingTells) {
+  Graph segment(makeRegistry());
+  segment.addVertex<VertexSE2>(0, SE2<double>());
+  segment.addVertex<VertexSegment2D>(5);
+  segment.addEdge<EdgeSE2Segment2DLine>({0, 5}, Vector<double, 2>(0.0, 2.0), Matrix<double, 2, 2>::Identity());
+  expectUntold(segment, "5 (VERTEX_SEGMENT2D)");
+  EXPECT_FALSE(segment.findVertex(5)->hasEstimate());
+
+  Graph line(makeRegistry());
+  line.addVertex<VertexLine3D>(5);
+  line.addEdge<EdgeLineDistance>({5}, 2.0, Matrix<double, 1, 1>::Identity());
+  expectUntold(line, "5 (VERTEX_LINE3D)");
+  EXPECT_FALSE(line.findVertex(5)->hasEstimate());
+}
+
 TEST(SpanningTree, EdgesOfManyVerticesTellTheLastUnknown) {
   Graph graph(makeRegistry());
   for (int id = 0; id < 3; ++id) graph.addVertex<VertexMark>(id);
@@ -178,7 +255,7 @@ TEST(SpanningTree, NamesVerticesThatNoEdgeTells) {
     FAIL();
   } catch (const GraphError& error) {
     EXPECT_THAT(error.what(), HasSubstr("vertex 7 (VERTEX_MARK)"));
-    EXPECT_THAT(error.what(), HasSubstr("1 others"));
+    EXPECT_THAT(error.what(), HasSubstr("nor 1 other:"));
   }
   graph.vertex<VertexMark>(7).setEstimate(Vector<double, 2>(1.0, 2.0));
   graph.vertex<VertexMark>(8).setEstimate(Vector<double, 2>(3.0, 4.0));

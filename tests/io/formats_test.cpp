@@ -141,5 +141,12 @@ TEST(Csv, ReadsWhatSpreadsheetsWrite) {
   EXPECT_EQ(graphText(graph), "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0.5\nEDGE_SE2 0 1 1 0 0.5 1 0 0 1 0 1\n");
 }
 
+TEST(Csv, BlanksEndCellsAndDivideLinesOfText) {
+  const Graph graph = read(
+      "tag, the id ,x of it,y,theta\nVERTEX_SE2, 0 ,\t0, \" 0 \" ,0 \nROBOTLASER1 1 2,,,\n# a, b c\nVERTEX_SE2 1 1 0 "
+      "0\n");
+  EXPECT_EQ(graphText(graph), "VERTEX_SE2 0 0 0 0\nROBOTLASER1 1 2\n# a, b c\nVERTEX_SE2 1 1 0 0\n");
+}
+
 }  // namespace
 }  // namespace quiver

@@ -80,6 +80,10 @@ std::vector<Malformed> tables() {
   return {
       {"TableOfHeadings", "tag,id,x,y,theta\n", "f: the file holds no vertex and no edge"},
       {"EmptyCell", poses + "VERTEX_SE2,2,,0,0\n", "f:4:14: an empty cell before others"},
+      {"CommaIsLost", poses + "VERTEX_SE2,2,0,0 1,0\n", "f:4:17: a blank inside a cell; is a comma missing?"},
+      {"FirstCommaIsLost", poses + "VERTEX_SE2 2,0,1,0\n", "f:4:11: a blank inside a cell; is a comma missing?"},
+      {"CommaIsLostInQuotes", poses + "VERTEX_SE2,2,\" 0\t1\",0\n",
+       "f:4:17: a blank inside a cell; is a comma missing?"},
       {"EmptyTag", poses + ",2,0,0,0\n", "f:4:1: an empty cell before others"},
       {"OpenQuote", poses + "VERTEX_SE2,2,\"0,0,0\n", "f:4:14: this quote does not end on its line"},
       {"TextBehindAQuote", poses + "VERTEX_SE2,2,\"0\"1,0,0\n", "f:4:17: a comma follows a cell in quotes"},

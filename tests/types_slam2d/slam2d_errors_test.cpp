@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <quiver/core/registry/field_tokens.h>
 #include <quiver/core/registry/registry.h>
+#include <quiver/core/util/error.h>
 #include <quiver/types_slam2d/addons/edge_line2d.h>
 #include <quiver/types_slam2d/addons/edge_segment2d.h>
 #include <quiver/types_slam2d/edge_se2_bearing.h>
@@ -67,6 +69,24 @@ TEST(LineEdges, AnglesAreWrapped) {
   const SE2<double> pose(0.5, 0.0, pi / 2);
   EXPECT_LT(EdgeSE2Line2D::computeError<double>(Vector2(-pi / 2, 1.5), pose, Vector2(0.0, 2.0)).norm(), exact);
   EXPECT_NEAR(EdgeLine2DXY::computeError<double>(0.5, Vector2(0.0, 2.0), Vector2(2.75, 9.0))[0], 0.25, exact);
+}
+
+TEST(LineVertices, HaveBothEndsOrNone) {
+  for (int ends = 0; ends <= 2; ++ends) {
+    detail::TokenWriter line;
+    line.real(0.5);
+    line.real(2.0);
+    for (int end = 0; end < ends; ++end) line.integer(10 + end);
+    detail::TokenReader reader(line.tokens());
+    VertexLine2D vertex;
+    if (ends == 1) {
+      EXPECT_THROW(vertex.read(reader), ParseError);
+      continue;
+    }
+    vertex.read(reader);
+    EXPECT_EQ(vertex.firstEnd(), ends == 0 ? -1 : 10);
+    EXPECT_EQ(vertex.secondEnd(), ends == 0 ? -1 : 11);
+  }
 }
 
 TEST(Slam2d, KnowsDataLines) {

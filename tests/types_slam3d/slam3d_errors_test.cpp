@@ -1,10 +1,12 @@
 #include <cmath>
 #include <memory>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include <quiver/core/registry/field_tokens.h>
 #include <quiver/core/registry/registry.h>
+#include <quiver/core/util/error.h>
 #include <quiver/types_slam3d/addons/edge_line3d.h>
 #include <quiver/types_slam3d/addons/edge_plane.h>
 #include <quiver/types_slam3d/addons/edge_se3_euler.h>
@@ -92,6 +94,32 @@ TEST(Euler, PitchOfAQuarterTurnStaysFinite) {
   detail::TokenReader reader(line.tokens());
   edge.read(reader);
   EXPECT_TRUE(edge.information().allFinite());
+}
+
+/// Whether a type takes a line of that many of the numbers.
+template <typename Element>
+bool takes(const std::vector<double>& numbers, std::size_t count) {
+  detail::TokenWriter line;
+  for (std::size_t i = 0; i < count; ++i) line.real(numbers[i]);
+  detail::TokenReader reader(line.tokens());
+  Element element;
+  try {
+    element.read(reader);
+  } catch (const ParseError&) {
+    return false;
+  }
+  return reader.atEnd();
+}
+
+TEST(OptionalFields, AreThereWholeOrNotAtAll) {
+  const std::vector<double> plane{0.0, 0.0, 1.0, 2.0, 0.5, 0.6, 0.7};
+  for (std::size_t count = 0; count <= plane.size(); ++count)
+    EXPECT_EQ(takes<VertexPlane>(plane, count), count == 4 || count == 7) << count;
+  const std::vector<double> camera{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 500.0, 400.0, 320.0, 240.0, 0.1};
+  for (std::size_t count = 0; count <= camera.size(); ++count) {
+    EXPECT_EQ(takes<ParameterCamera>(camera, count), count == 7 || count == 11) << count;
+    EXPECT_EQ(takes<ParameterStereoCamera>(camera, count), count == 7 || count >= 11) << count;
+  }
 }
 
 TEST(Priors, HonourTheSensorsPose) {

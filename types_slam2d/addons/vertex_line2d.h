@@ -38,13 +38,15 @@ class VertexLine2D : public BaseVertex<VertexLine2D, 2, Vector<double, 2>> {
   static std::vector<Field> fields() {
     return {{"theta", "rad", "direction of the normal"},
             {"rho", "m", "distance from the origin along the normal"},
-            {"firstEnd", "", "id of a vertex or -1; may be left out"},
-            {"secondEnd", "", "id of a vertex or -1; may be left out"}};
+            {"firstEnd", "", "id of a vertex or -1; both ends may be left out"},
+            {"secondEnd", "", "id of a vertex or -1; both ends may be left out"}};
   }
   void read(FieldReader& reader) {
     const double theta = reader.real();
     setEstimate(Vector<double, 2>(theta, reader.real()));
-    for (std::int64_t& end : ends_) end = reader.atEnd() ? -1 : reader.integer();
+    ends_ = {-1, -1};
+    if (reader.atEnd()) return;
+    for (std::int64_t& end : ends_) end = reader.integer();
   }
   void write(FieldWriter& writer) const {
     writer.reals({values(), 2});

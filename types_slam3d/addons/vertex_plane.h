@@ -80,10 +80,15 @@ class VertexPlane : public BaseVertex<VertexPlane, 3, Vector<double, 4>> {
   std::array<double, 3> colour() const { return colour_; }
   void setColour(const std::array<double, 3>& colour) { colour_ = colour; }
 
-  static std::vector<Field> fields() { return detail::planeFields(); }
+  static std::vector<Field> fields() {
+    std::vector<Field> fields = detail::planeFields();
+    for (auto field = fields.end() - 3; field != fields.end(); ++field)
+      field->documentation = "colour; all three may be left out";
+    return fields;
+  }
   void read(FieldReader& reader) {
     setEstimate(detail::readPlane(reader));
-    for (double& part : colour_) part = reader.atEnd() ? part : reader.real();
+    if (!reader.atEnd()) reader.reals(colour_);
   }
   void write(FieldWriter& writer) const {
     writer.reals({values(), 4});

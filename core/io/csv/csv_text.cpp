@@ -35,6 +35,7 @@ class CsvRow {
       if (cell == 0) heading = content == "tag" && !quoted_;
       if (content.empty() && !empty_) empty_ = place;
       if (!content.empty() && empty_) throw source_.error(empty_, "an empty cell before others");
+      if (!content.empty() && !heading) checkWhole(content, place + (content.data() - copied));
       if (at_ == end_) break;
       ++at_;
       *out_++ = ' ';
@@ -49,6 +50,14 @@ class CsvRow {
     while (at_ != end_ && blanks.find(*at_) != std::string_view::npos) *out_++ = *at_++;
     if (at_ != end_ && *at_ == '"') return readQuoted();
     while (at_ != end_ && *at_ != ',') *out_++ = *at_++;
+  }
+
+  /// Only a row of one cell, a line of text, holds blanks: they would divide the cell of an element. `place` is where
+  /// the content is in the source.
+  void checkWhole(std::string_view content, const char* place) {
+    const std::size_t blank = content.find_first_of(blanks);
+    if (blank != std::string_view::npos && !divided_) divided_ = place + blank;
+    if (++filled_ > 1 && divided_) throw source_.error(divided_, "a blank inside a cell; is a comma missing?");
   }
 
   void readQuoted() {
@@ -77,6 +86,9 @@ class CsvRow {
   char* out_;
   /// The first of the empty cells before this one.
   const char* empty_ = nullptr;
+  /// The first blank inside a cell.
+  const char* divided_ = nullptr;
+  int filled_ = 0;
   bool quoted_ = false;
 };
 

@@ -14,7 +14,8 @@ bool looksLikeCsv(std::string_view text);
 /// The table as lines of a .g2o file, of the same length: commas and quotes become blanks, rows that begin with "tag"
 /// (headings) become empty, and every byte else stays where it is, so that messages name the places of the table.
 /// Comments stay as they are; in a quoted cell commas stay and two quotes become one. Empty cells may end a row. Throws
-/// ParseError for an empty cell elsewhere and for a quote that does not end on its line.
+/// ParseError for an empty cell elsewhere, for a blank inside a cell that is not the only one of its row, and for a
+/// quote that does not end on its line.
 std::string linesOfCsv(const SourceText& source);
 
 }  // namespace quiver::detail

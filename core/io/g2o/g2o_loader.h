@@ -19,6 +19,8 @@ namespace quiver::detail {
 class G2oLoader {
  public:
   G2oLoader(const SourceText& source, std::shared_ptr<const Registry> registry, const ReadOptions& options);
+  /// Throws the first error of the first of those steps that finds one; wrong fields above an error of the first two
+  /// come before it.
   Graph load();
 
  private:
@@ -39,7 +41,8 @@ class G2oLoader {
   void addElements();
   /// Thread safe for different chunks.
   void fillChunk(std::size_t chunk, BulkAdder& adder, ChunkResult& result);
-  /// Throws the first error there is, in the order of the file; counts what was clamped.
+  /// Throws the first error of making and reading elements, in the order of the file, else that of the first
+  /// information matrix that is refused; counts what was clamped.
   void report(const std::vector<ChunkResult>& results) const;
   void refuseInformation(const std::vector<ChunkResult>& results) const;
   /// Throws the first error in the fields of the lines before `line`, which counts from 1, if there is one.

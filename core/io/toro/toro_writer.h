@@ -14,7 +14,7 @@ std::string_view toroTag(std::string_view tag);
 /// VERTEX3 and EDGE3.
 void checkToro(const Graph& graph);
 
-/// Writes what stands behind the ids of an edge's line: the inverse of what the reader does. BR's deviations come back
+/// Writes what stands behind the ids of an edge's line: the inverse of what the reader does. BR's numbers come back
 /// to rounding, everything else to the bit.
 void writeToroEdge(const EdgeType& type, const Edge& edge, FieldWriter& writer);
 

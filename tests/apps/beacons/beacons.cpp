@@ -1,5 +1,6 @@
 // A plugin for the tests: beacons whose range a robot in the plane measures.
 #include <array>
+#include <new>
 
 #include <quiver/quiver.h>
 
@@ -28,6 +29,8 @@ class EdgeRange : public BaseEdge<EdgeRange, 1, double, VertexSE2, VertexBeacon>
 void registerBeacons(Registry& registry) {
   registry.addVertex<VertexBeacon>("VERTEX_BEACON");
   registry.addEdge<EdgeRange>("EDGE_RANGE_SE2_XY");
+  registry.addInitializer("exhausting", "Asks for more memory than there is.",
+                          [](Graph&, const Options&) -> std::string { throw std::bad_alloc(); });
 }
 
 }  // namespace
