@@ -140,9 +140,10 @@ void Assembler::findHeldPieces() {
 
 CostTotals Assembler::linearizePiece(const State& state, BlockMatrix& matrix, std::size_t index, Workspace& work) {
   const Piece& piece = plan_.pieces()[index];
-  std::fill(records_.data() + piece.recordBegin, records_.data() + piece.recordEnd, 0.0);
-  if (!problem_->batch(piece.batch).addsProducts() || held_[index] != 0)
+  if (!problem_->batch(piece.batch).addsProducts() || held_[index] != 0) {
+    std::fill(records_.data() + piece.recordBegin, records_.data() + piece.recordEnd, 0.0);
     return spreadPanels(state, matrix, piece, work);
+  }
   double* nowhere = nowhere_.data() + static_cast<std::int64_t>(index) * nowhereNumbers_;
   std::fill(nowhere, nowhere + nowhereNumbers_, 0.0);
   return multiplyPiece(state, piece);
@@ -153,8 +154,13 @@ CostTotals Assembler::multiplyPiece(const State& state, const Piece& piece) {
   const ProductTargets targets = addresses_[static_cast<std::size_t>(piece.batch)].targets();
   PanelTotals totals(piece.batch);
   alignas(64) double squaredError[Panel::capacity];
-  for (int first = piece.begin; first < piece.end; first += Panel::capacity) {
+  double* cleared = records_.data() + piece.recordBegin;
+  for (int first = piece.begin, group = 0; first < piece.end; first += Panel::capacity, ++group) {
     const int count = std::min(Panel::capacity, piece.end - first);
+    // What these edges touch first: in the first cache it is added to without being fetched again.
+    double* const end = records_.data() + plan_.recordEndOf(piece, group);
+    std::fill(cleared, end, 0.0);
+    cleared = end;
     batch.addProducts(state, first, count, targets, squaredError);
     totals.add(first, count, squaredError, squaredError);
   }

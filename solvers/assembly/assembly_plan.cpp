@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <quiver/core/problem/panel.h>
 #include <quiver/solvers/assembly/lane_products.h>
 
 namespace quiver {
@@ -38,7 +39,7 @@ void AssemblyPlan::cutPieces(const Problem& problem) {
     const int least = problem.batch(b).rowBytes() > 0 ? 1024 : Panel::capacity;
     const int piece = (std::clamp(size / 32, least, 16384) + 15) / 16 * 16;
     for (int begin = 0; begin < size; begin += piece)
-      pieces_.push_back({b, begin, std::min(size, begin + piece), 0, 0});
+      pieces_.push_back({b, begin, std::min(size, begin + piece), 0, 0, 0});
   }
 }
 
@@ -57,6 +58,7 @@ void AssemblyPlan::placeRecords(const Problem& problem) {
     Roles& roles = batches_[static_cast<std::size_t>(piece.batch)];
     if (piece.begin == 0) roles.firstRecord = static_cast<std::int64_t>(records_.size());
     piece.recordBegin = recordNumbers_;
+    piece.firstGroup = groupEnds_.size();
     for (int i = piece.begin; i < piece.end; ++i) {
       if (roles.perEdge < 0)
         roles.recordBegin.push_back(static_cast<std::int64_t>(records_.size()) - roles.firstRecord);
@@ -76,6 +78,7 @@ void AssemblyPlan::placeRecords(const Problem& problem) {
         }
         records_.push_back(lastRecord[v]);
       }
+      if ((i + 1 - piece.begin) % Panel::capacity == 0 || i + 1 == piece.end) groupEnds_.push_back(recordNumbers_);
     }
     piece.recordEnd = recordNumbers_;
   }

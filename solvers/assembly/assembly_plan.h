@@ -31,6 +31,7 @@ class AssemblyPlan {
     int end;
     std::int64_t recordBegin;
     std::int64_t recordEnd;
+    std::size_t firstGroup;  // of recordEndOf
   };
   const std::vector<Piece>& pieces() const { return pieces_; }
 
@@ -41,6 +42,11 @@ class AssemblyPlan {
     return records_[static_cast<std::size_t>(roles.firstRecord + roles.recordsBefore(edge) + role)];
   }
   std::int64_t recordNumbers() const { return recordNumbers_; }
+  /// Edges are linearised in groups of Panel::capacity. Records come in the order in which edges meet them: those that
+  /// the groups of a piece up to `group` touch end here.
+  std::int64_t recordEndOf(const Piece& piece, int group) const {
+    return groupEnds_[piece.firstGroup + static_cast<std::size_t>(group)];
+  }
 
   /// Where a pair of roles goes. `transposed`: the block of H is BᵀA, not AᵀB.
   struct Destination {
@@ -95,6 +101,7 @@ class AssemblyPlan {
   std::vector<Roles> batches_;
   std::vector<std::int64_t> records_;
   std::int64_t recordNumbers_ = 0;
+  std::vector<std::int64_t> groupEnds_;
   std::vector<Destination> destinations_;
   std::int64_t sharedNumbers_ = 0;
   std::vector<std::int64_t> gatherBegin_;
