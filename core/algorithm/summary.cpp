@@ -82,8 +82,11 @@ std::ostream& operator<<(std::ostream& out, const Summary& summary) {
   }
   const SolvePlan& plan = summary.plan;
   if (!plan.algorithm.empty()) {
-    out << fmt::format("algorithm {} ({}), linear solver {}, ordering {}\n", plan.algorithm, plan.algorithmReason,
-                       plan.linearSolver, plan.ordering.empty() ? "none" : plan.ordering);
+    out << fmt::format("algorithm {} ({})", plan.algorithm, plan.algorithmReason);
+    if (!plan.linearSolver.empty())
+      out << fmt::format(", linear solver {}, ordering {}", plan.linearSolver,
+                         plan.ordering.empty() ? "none" : plan.ordering);
+    out << '\n';
   }
   if (!summary.gauge.reason.empty()) out << "gauge: " << summary.gauge.reason << '\n';
   out << fmt::format("{}: {}\n", toString(summary.status), summary.reason);

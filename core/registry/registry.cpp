@@ -224,7 +224,8 @@ std::vector<std::string> Registry::knownTags() const {
 
 std::string nearestWord(std::string_view word, const std::vector<std::string>& candidates) {
   std::string best;
-  std::size_t bestDistance = std::max<std::size_t>(2, word.size() / 3) + 1;
+  // Half of the letters at least are as they should be.
+  std::size_t bestDistance = std::min(std::max<std::size_t>(2, word.size() / 3), word.size() / 2) + 1;
   if (word.size() > 64) return best;
   for (const std::string& candidate : candidates) {
     std::vector<std::size_t> row(candidate.size() + 1);

@@ -32,6 +32,13 @@ TEST_F(Surroundings, AClosedInputIsRefused) {
   EXPECT_THAT(result.err, StartsWith("<stdin>: "));
 }
 
+TEST_F(Surroundings, AnInputOfZerosEnds) {
+  if (!std::filesystem::exists("/dev/zero")) GTEST_SKIP() << "there is no /dev/zero";
+  const CommandResult result = run("info /dev/zero");
+  EXPECT_EQ(result.exitCode, 3);
+  EXPECT_THAT(result.err, StartsWith("/dev/zero:1:1: "));
+}
+
 TEST_F(Surroundings, TextThatIsLostIsNoSuccess) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
   write("in.g2o", square);

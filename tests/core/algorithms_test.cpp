@@ -2,6 +2,7 @@
 #include <quiver/core/algorithm/algorithms.h>
 
 #include <functional>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -88,6 +89,14 @@ TEST(Algorithms, UnknownOnesAreNamedWithThoseThereAre) {
   } catch (const GraphError& error) {
     EXPECT_STREQ(error.what(), "no algorithm 'newton'; there are auto, gn, lm, dogleg, plain");
   }
+}
+
+/// What was not chosen is not told.
+TEST(Summary, OfAnEmptyGraphNamesNoSolver) {
+  Graph graph(builtinRegistry());
+  std::ostringstream text;
+  text << optimize(graph);
+  EXPECT_EQ(text.str().find("linear solver"), std::string::npos) << text.str();
 }
 
 }  // namespace

@@ -34,6 +34,7 @@ std::vector<Malformed> tagsAndIds() {
   return {
       {"UnknownTag", poses + "EDGE_SE3 0 1 2\n", "a.g2o:3:1: unknown tag 'EDGE_SE3', did you mean 'EDGE_SE2'?"},
       {"TagFarFromAny", "  something else\n", "a.g2o:1:3: unknown tag 'something'"},
+      {"ShortTagFarFromAny", "FOO 1\n", "a.g2o:1:1: unknown tag 'FOO'"},
       {"LowerCaseTag", "vertex_se2 0 0 0 0\n", "a.g2o:1:1: unknown tag 'vertex_se2', did you mean 'VERTEX_SE2'?"},
       {"NoId", "VERTEX_SE2\n", "a.g2o:1:11: the line ends early: the id of 'VERTEX_SE2' is missing"},
       {"IdIsAWord", "VERTEX_SE2 first 0 0 0\n", "a.g2o:1:12: 'first' is not an integer"},

@@ -122,6 +122,7 @@ void InputFile::readAll(int descriptor) {
     if (got < 0) failReading(name_, errno);
     if (got == 0) break;
     buffer.append(static_cast<std::size_t>(got));
+    if (*buffer.data() == '\0') break;  // no text in any format; and devices of zeros have no end
   }
   size_ = buffer.size();
   data_ = buffer.take();
