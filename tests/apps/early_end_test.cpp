@@ -59,7 +59,7 @@ TEST_F(EarlyEnd, AnInterruptWhileReadingIsReported) {
   write("in.g2o", square);
   const CommandResult result = run("--version; mkfifo pipe; '" QUIVER_COMMAND
                                    "' optimize - -o out.g2o --json report.json < pipe & "
-                                   "{ sleep 0.5; kill -TERM $!; sleep 0.2; cat in.g2o; } > pipe; wait $!");
+                                   "{ sleep 1; kill -TERM $!; sleep 0.2; cat in.g2o; } > pipe; wait $!");
   EXPECT_EQ(result.exitCode, 5) << result.err;
   EXPECT_THAT(result.err, HasSubstr("<stdin>: stopped while reading"));
   expectUnmoved("interrupted");
