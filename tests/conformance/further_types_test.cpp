@@ -33,6 +33,13 @@ class EdgeOf : public BaseEdge<EdgeOf<Group, dimension>, dimension, Group, Verte
   static auto computeError(const Group& z, const Group& x) { return Vector<double, dimension>(z.between(x).log()); }
 };
 
+std::string findingOf(const RobustKernelType& kernel) {
+  auto registry = std::make_shared<Registry>();
+  registry->addRobustKernel(kernel);
+  const ConformanceReport report = checkConformance(registry);
+  return report.findings.empty() ? "" : report.findings[0].message;
+}
+
 TEST(FurtherTypes, GroupsServeAsEstimatesAndMeasurements) {
   auto registry = std::make_shared<Registry>();
   registry->addVertex<VertexTurn>("TURN");
@@ -56,11 +63,42 @@ TEST(FurtherTypes, BuiltinKernelsConform) {
   EXPECT_THROW(checkKernels(*registry, {"none such"}, report), GraphError);
 }
 
-std::string findingOf(const RobustKernelType& kernel) {
+/// Formulas whose terms are as large as w² round as w² does, however small the error is.
+TEST(FurtherTypes, KernelsAsTextbooksWriteThemConform) {
+  EXPECT_EQ(
+      findingOf({"SquareRoot",
+                 [](double e, double w, double) {
+                   const double root = std::sqrt(1.0 + e / (w * w));
+                   return RobustValue{2.0 * w * w * (root - 1.0), 1.0 / root, -0.5 / (w * w * root * root * root)};
+                 },
+                 ""}),
+      "");
+  EXPECT_EQ(findingOf({"Logarithm",
+                       [](double e, double w, double) {
+                         const double sum = 1.0 + e / (w * w);
+                         return RobustValue{w * w * std::log(sum), 1.0 / sum, -1.0 / (w * w * sum * sum)};
+                       },
+                       ""}),
+            "");
+  EXPECT_EQ(findingOf({"Exponential",
+                       [](double e, double w, double) {
+                         const double weight = std::exp(-e / (w * w));
+                         return RobustValue{w * w * (1.0 - weight), weight, -weight / (w * w)};
+                       },
+                       ""}),
+            "");
+}
+
+class VertexThreeNames : public BaseVertex<VertexThreeNames, 2, Vector<double, 2>> {
+ public:
+  static constexpr const char* tangent[] = {"x", "y", "z"};
+  static Vector<double, 2> oplus(const Vector<double, 2>& x, const Vector<double, 2>& delta) { return x + delta; }
+};
+
+TEST(FurtherTypes, NamesOfDirectionsAreCounted) {
   auto registry = std::make_shared<Registry>();
-  registry->addRobustKernel(kernel);
-  const ConformanceReport report = checkConformance(registry);
-  return report.findings.empty() ? "" : report.findings[0].message;
+  registry->addVertex<VertexThreeNames>("THREE");
+  EXPECT_THAT(checkConformance(registry).describe(), HasSubstr("3 names for 2 directions"));
 }
 
 TEST(FurtherTypes, KernelsThatBreakPromisesAreFound) {

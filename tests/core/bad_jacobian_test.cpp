@@ -54,6 +54,25 @@ TEST(BadJacobian, IsANumericalFailureThatNamesTheEdge) {
   }
 }
 
+/// An error that is another one at every call.
+class EdgeRestless : public BaseEdge<EdgeRestless, 1, double, VertexPoint> {
+ public:
+  static Vector<double, 1> computeError(const double&, const Vector<double, 2>&) {
+    static int calls = 0;
+    return Vector<double, 1>(++calls % 7 * 1.0);
+  }
+};
+
+TEST(BadJacobian, AnErrorThatJumpsEverywhereIsSaidToDoSo) {
+  auto registry = makeRegistry();
+  registry->addEdge<EdgeRestless>("EDGE_RESTLESS");
+  Graph graph(registry);
+  graph.addVertex<VertexPoint>(0, Vector<double, 2>(1.0, 1.0));
+  graph.addEdge<EdgeRestless>({0}, 2.0, weight(1.0));
+  EXPECT_THAT(checkJacobians(graph).describe(),
+              HasSubstr("EDGE_RESTLESS: 1 edges, nothing to compare: the error jumps"));
+}
+
 TEST(BadJacobian, IsFoundByTheCheck) {
   Graph graph = coincident(false);
   const JacobianReport report = checkJacobians(graph);

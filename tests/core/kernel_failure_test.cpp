@@ -40,6 +40,21 @@ Summary solve(const RobustKernelType& kernel, const std::string& algorithm, Grap
   return optimize(graph, options);
 }
 
+/// A cost below zero would pass for one of zero.
+TEST(KernelFailure, ANegativeCostIsNoOptimum) {
+  const RobustKernelType negative{"Negative",
+                                  [](double e, double, double) {
+                                    return RobustValue{-100.0 * e, -100.0, 0.0};
+                                  },
+                                  ""};
+  for (const char* algorithm : {"auto", "gn", "lm", "dogleg"}) {
+    Graph graph(makeRegistry());
+    const Summary summary = solve(negative, algorithm, graph);
+    EXPECT_EQ(summary.status, Status::numericalFailure) << algorithm;
+    EXPECT_THAT(summary.reason, HasSubstr("a robust kernel must not be negative")) << algorithm;
+  }
+}
+
 TEST(KernelFailure, IsNamedAtTheStart) {
   for (const char* algorithm : {"auto", "gn", "lm", "dogleg"}) {
     Graph first(makeRegistry()), second(makeRegistry());
