@@ -38,7 +38,11 @@ void DampingScale::restart() { std::fill(remembered_.begin(), remembered_.end(),
 
 void DampingScale::update(std::span<const double> diagonal, double ratio) {
   const double memory = ratio < littleGain ? 1.0 : mostShrinking;
-  for (std::size_t i = 0; i < diagonal.size(); ++i) remembered_[i] = std::max(memory * remembered_[i], diagonal[i]);
+  excess_ = 1.0;
+  for (std::size_t i = 0; i < diagonal.size(); ++i) {
+    remembered_[i] = std::max(memory * remembered_[i], diagonal[i]);
+    if (diagonal[i] > 0.0) excess_ = std::max(excess_, remembered_[i] / diagonal[i]);
+  }
   for (const Class& own : classes_) {
     const std::size_t period = repeats * own.dimension;
     double* const bounds = least_.data() + own.bounds;

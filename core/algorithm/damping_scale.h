@@ -24,6 +24,9 @@ class DampingScale {
   void restart();
   /// Takes the diagonal of H, in the order of variables, after a step that brought `ratio` of what it promised.
   void update(std::span<const double> diagonal, double ratio = 1.0);
+  /// The most that an entry of D exceeds its entry of H, 1 if none does: what is damped by λ D may hardly move because
+  /// of the memory alone.
+  double excess() const { return excess_; }
   /// out ← λ D, on at most so many threads.
   void scale(double lambda, int threads, std::span<double> out) const;
 
@@ -40,6 +43,7 @@ class DampingScale {
   std::vector<Class> classes_;
   std::vector<double> least_;
   std::vector<double> remembered_;  // of each scalar
+  double excess_ = 1.0;
 };
 
 }  // namespace quiver

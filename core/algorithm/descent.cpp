@@ -209,7 +209,8 @@ bool Descent::stopRuleMet(double costBefore) {
     finish(Status::converged, "the cost is zero");
     return true;
   }
-  const bool tells = !(shortened_ || damping_ > detail::mostTellingDamping) || !isSteep();
+  const bool shortened = reach_ == StepReach::shortened || damping_ > detail::mostTellingDamping;
+  const bool tells = reach_ != StepReach::held && !(shortened && isSteep());
   if (tells && change < options_.costTolerance * std::abs(totals_.cost) &&
       !(damping_ == 0.0 && goesToAndFro(costBefore))) {
     finish(Status::converged, ShortText("the cost changed by {:.2e} of itself, less than {:.0e} is asked",

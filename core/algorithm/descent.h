@@ -22,6 +22,13 @@ struct DescentMemory {
   std::optional<DampingScale> scale;
 };
 
+/// What the length of a step tells of an optimum where the step brings little.
+enum class StepReach {
+  full,       ///< what it is by damping alone: an optimum is near
+  shortened,  ///< a radius made it short: that is so only if no coordinate could lower the cost by far more either
+  held        ///< the memory of DampingScale made it short, which is going to be dropped: nothing
+};
+
 /// What Gauss–Newton, Levenberg–Marquardt and dogleg share: the state of a descent, its stopping rules, its report.
 ///
 /// The problem's state is always the estimate kept; the best one met is restored at the end.
@@ -53,6 +60,9 @@ class Descent {
   /// Whether the last accepted step left the cost as it was, though a single coordinate could lower it: full steps that
   /// leap from one side of a minimum to the other do that.
   bool goesToAndFro(double costBefore) const;
+  /// Whether a single coordinate could lower the cost by far more than the tolerance: then a step that was made short
+  /// and brought little does not tell of an optimum.
+  bool isSteep() const;
   /// Ends there.
   void finishAtRest();
   /// Ends because a linear system could not be solved, in words that name the vertex.
@@ -79,8 +89,8 @@ class Descent {
   const Options& options() const { return options_; }
   const StopCondition& stop() const { return stop_; }
   void setDamping(double damping) { report_.damping = damping_ = damping; }
-  /// Whether a radius, and not damping, makes the step under way shorter than a full one.
-  void setShortened(bool shortened) { shortened_ = shortened; }
+  /// Of the step under way.
+  void setReach(StepReach reach) { reach_ = reach; }
   void setLinearIterations(int iterations) { report_.linearIterations = iterations; }
   bool ended() const { return ended_; }
 
@@ -88,9 +98,6 @@ class Descent {
   void emitReport(bool accepted);
   void callBack();
   bool stopRuleMet(double costBefore);
-  /// Whether a single coordinate could lower the cost by far more than the tolerance: then a step that was made short
-  /// and brought little does not tell of an optimum.
-  bool isSteep() const;
   /// Whether the cost is what the rounding of estimates makes of errors that are zero.
   bool costIsRounding() const;
   bool costRests(double costBefore) const;
@@ -119,7 +126,7 @@ class Descent {
   double scaledGradient_ = 0.0;
   double relativeStep_ = 0.0;
   double damping_ = 0.0;
-  bool shortened_ = false;
+  StepReach reach_ = StepReach::full;
   IterationReport report_;
   Stopwatch watch_;
   bool ended_ = false;

@@ -141,7 +141,9 @@ void dogleg(Descent& descent) {
       path.stepOfLength(radius, delta);
       descent.setDamping(path.regularization());
       const bool whole = path.fullNorm() <= radius;
-      descent.setShortened(!whole);
+      // H + μD is all D where the memory of D is far above H.
+      const bool stiff = path.regularization() * descent.dampingScale().excess() > 1.0;
+      descent.setReach(whole && !stiff ? StepReach::full : StepReach::shortened);
       const double length = path.norm(delta);
       const double predicted = path.predictedDecrease(descent.system(), delta);
       const CostTotals trial = descent.tryStep();
@@ -160,7 +162,8 @@ void dogleg(Descent& descent) {
       descent.reject();
       // A promise made small by the radius alone proves nothing: only that of the full step counts.
       const double promise = path.fullPromise();
-      if (promise > 0.0 && promise <= descent.options().costTolerance * descent.totals().cost)
+      if (promise > 0.0 && promise <= descent.options().costTolerance * descent.totals().cost &&
+          !(stiff && descent.isSteep()))
         return descent.finishWithoutProspect(promise);
       if (descent.atRest(whole)) return descent.finishAtRest();
       if (radius <= leastRadius * path.fullNorm()) {

@@ -16,6 +16,9 @@ constexpr double leastDamping = 1e-16;
 constexpr double mostDamping = 1e16;
 /// A step counts if it brings this share of the predicted decrease.
 constexpr double acceptedShare = 1e-3;
+/// By so much D may exceed H before its memory is dropped where it holds a step that promises next to nothing: H has
+/// fallen by many powers of ten at once, and λ D is far above it though λ is small.
+constexpr double mostExcess = 1e3;
 
 /// λ by the radius rule: λ shrinks after steps that agree with the model and grows, ever faster, after failures.
 class Damping {
@@ -64,6 +67,8 @@ void levenbergMarquardt(Descent& descent) {
   while (!descent.exhausted()) {
     scale.scale(damping.value(), descent.vectorThreads(), scaled);
     descent.setDamping(damping.value());
+    const bool held = scale.excess() > mostExcess && damping.value() * scale.excess() > 1.0;
+    descent.setReach(held ? StepReach::held : StepReach::full);
     const LinearOutcome outcome = system.solve(scaled, delta, descent.stop());
     if (outcome.kind == LinearOutcome::Kind::interrupted || outcome.kind == LinearOutcome::Kind::memoryLimit)
       return descent.fail(outcome);
@@ -81,18 +86,24 @@ void levenbergMarquardt(Descent& descent) {
       // model says.
       if (trial.finite() && predicted <= 1e-13 * descent.totals().cost && actual >= 0.0) ratio = 1.0;
     }
+    const bool little = predicted > 0.0 && predicted <= descent.options().costTolerance * descent.totals().cost;
     if (ratio > acceptedShare) {
       damping.succeed(ratio);
       failures = 0;
       if (descent.accept(trial)) return;
+      if (held && little) scale.restart();
       scale.update(system.diagonal(), ratio);
       continue;
     }
     descent.reject();
+    if (held && little) {
+      scale.restart();
+      scale.update(system.diagonal());
+      continue;
+    }
     // A promise made small by damping alone proves nothing: only the first trial from an estimate counts.
     if (failures == 0 && descent.atRest(outcome.ok())) return descent.finishAtRest();
-    if (failures++ == 0 && predicted > 0.0 && damping.value() <= detail::mostTellingDamping &&
-        predicted <= descent.options().costTolerance * descent.totals().cost)
+    if (failures++ == 0 && little && damping.value() <= detail::mostTellingDamping)
       return descent.finishWithoutProspect(predicted);
     damping.fail();
     if (damping.hopeless()) {

@@ -72,6 +72,38 @@ TEST(Zigzag, DoglegConvergesOnlyWhereTheGradientDoes) {
   }
 }
 
+/// y = a exp(b t): once a fits, the derivatives by b are smaller by many powers of ten, and a damping that remembers
+/// them would hold b.
+class EdgeGrowth : public BaseEdge<EdgeGrowth, 1, Vector<double, 2>, VertexBeacon> {
+ public:
+  template <typename S>
+  static Vector<S, 1> computeError(const Vector<S, 2>& seen, const Vector<S, 2>& x) {
+    using std::exp;
+    return Vector<S, 1>(x[0] * exp(x[1] * seen[0]) - seen[1]);
+  }
+};
+
+TEST(Zigzag, AFallOfTheDiagonalIsFollowed) {
+  const auto registry = beacons();
+  registry->addEdge<EdgeGrowth>("GROWTH");
+  for (const std::string algorithm : {"lm", "dogleg"}) {
+    for (const Point& start :
+         {Point(10.0, 2.5), Point(1.0, 3.0), Point(100.0, 2.0), Point(0.1, 5.0), Point(0.1, 6.0)}) {
+      Graph graph(registry);
+      graph.addVertex<VertexBeacon>(0, start);
+      for (int i = 0; i < 20; ++i) {
+        const double t = 0.25 * i;
+        graph.addEdge<EdgeGrowth>({0}, Point(t, 2.5 * std::exp(-0.7 * t) + 0.01 * ((i * 37) % 7 - 3)), unit);
+      }
+      const Summary summary = optimize(graph, {.maxIterations = 200, .algorithm = algorithm});
+      // Those of dogleg may go to b = −∞, where the curve is a single number; 21 is what a alone can bring.
+      const double least = algorithm == "lm" ? 0.0077 : 14.94;
+      EXPECT_LE(summary.finalCost, least) << algorithm << start.transpose() << summary.reason;
+      EXPECT_TRUE(summary.converged()) << algorithm << start.transpose() << summary.reason;
+    }
+  }
+}
+
 /// Full steps leap from one side of a valley to the other, and each second one is a little lower than any before.
 TEST(Zigzag, AutomaticLeavesATwoCycle) {
   const auto registry = beacons();
