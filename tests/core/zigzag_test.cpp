@@ -38,16 +38,22 @@ std::shared_ptr<Registry> beacons() {
 using Point = Vector<double, 2>;
 const Matrix<double, 1, 1> unit(1.0);
 
+/// A beacon somewhere, at a range from one that is fixed somewhere else.
+Graph oneRange(const std::shared_ptr<Registry>& registry, std::mt19937_64& random) {
+  const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
+  Graph graph(registry);
+  graph.addVertex<VertexBeacon>(0, Point(uniform(-6, 6), uniform(-6, 6)));
+  graph.addVertex<VertexBeacon>(1, Point(uniform(-3, 3), uniform(-3, 3))).setFixed(true);
+  graph.addEdge<EdgeRange>({1, 0}, uniform(0.5, 2.0), unit);
+  return graph;
+}
+
 TEST(Zigzag, OneRangeIsMetFromAnywhere) {
   const auto registry = beacons();
   for (const std::string algorithm : {"auto", "lm"}) {
     std::mt19937_64 random(1);
-    const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
     for (int trial = 0; trial < 300; ++trial) {
-      Graph graph(registry);
-      graph.addVertex<VertexBeacon>(0, Point(uniform(-6, 6), uniform(-6, 6)));
-      graph.addVertex<VertexBeacon>(1, Point(uniform(-3, 3), uniform(-3, 3))).setFixed(true);
-      graph.addEdge<EdgeRange>({1, 0}, uniform(0.5, 2.0), unit);
+      Graph graph = oneRange(registry, random);
       const Summary summary = optimize(graph, {.algorithm = algorithm});
       EXPECT_EQ(summary.status, Status::converged) << algorithm << " " << trial << ": " << summary.reason;
       EXPECT_LE(summary.finalCost, 1e-10) << algorithm << " " << trial;
@@ -59,12 +65,8 @@ TEST(Zigzag, OneRangeIsMetFromAnywhere) {
 TEST(Zigzag, DoglegConvergesOnlyWhereTheGradientDoes) {
   const auto registry = beacons();
   std::mt19937_64 random(1);
-  const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
   for (int trial = 0; trial < 300; ++trial) {
-    Graph graph(registry);
-    graph.addVertex<VertexBeacon>(0, Point(uniform(-6, 6), uniform(-6, 6)));
-    graph.addVertex<VertexBeacon>(1, Point(uniform(-3, 3), uniform(-3, 3))).setFixed(true);
-    graph.addEdge<EdgeRange>({1, 0}, uniform(0.5, 2.0), unit);
+    Graph graph = oneRange(registry, random);
     const Summary summary = optimize(graph, {.algorithm = "dogleg", .costTolerance = 1e-3});
     if (summary.status == Status::converged) {
       EXPECT_LE(summary.finalCost, 1e-3) << trial << ": " << summary.reason;
