@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -231,6 +232,15 @@ void EstimateTree::plantRemaining() {
   }
 }
 
+bool EstimateTree::posesMissBesideEstimates() const {
+  for (std::size_t v = 0; v < vertices_.size(); ++v) {
+    if (!vertices_[v]->hasEstimate() && estimated_[static_cast<std::size_t>(componentOf_[v])] &&
+        isPose(graph_.typeOf(*vertices_[v]).placeKind()))
+      return true;
+  }
+  return false;
+}
+
 bool EstimateTree::preferPoses() {
   bool changed = false;
   for (std::size_t v = 0; v < vertices_.size(); ++v) {
@@ -267,10 +277,11 @@ void EstimateTree::growOnce() {
 }
 
 void EstimateTree::grow() {
-  const SavedEstimates before(graph_);
+  std::optional<SavedEstimates> before;
+  if (posesMissBesideEstimates()) before.emplace(graph_);
   growOnce();
-  if (preferPoses()) {
-    before.restore(graph_);
+  if (before && preferPoses()) {
+    before->restore(graph_);
     start();
     growOnce();
   }

@@ -36,6 +36,8 @@ class EstimateTree {
   /// Forgets what was grown, not the estimates.
   void start();
   void growOnce();
+  /// Whether preferPoses() may have something to choose.
+  bool posesMissBesideEstimates() const;
   /// Chooses other roots where a pose without an estimate was left over beside landmarks that have one, which cannot
   /// tell it; whether there are such components.
   bool preferPoses();

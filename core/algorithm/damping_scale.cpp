@@ -41,7 +41,7 @@ void DampingScale::update(std::span<const double> diagonal, double ratio) {
   excess_ = 1.0;
   for (std::size_t i = 0; i < diagonal.size(); ++i) {
     remembered_[i] = std::max(memory * remembered_[i], diagonal[i]);
-    if (diagonal[i] > 0.0) excess_ = std::max(excess_, remembered_[i] / diagonal[i]);
+    if (diagonal[i] > 0.0 && remembered_[i] > excess_ * diagonal[i]) excess_ = remembered_[i] / diagonal[i];
   }
   for (const Class& own : classes_) {
     const std::size_t period = repeats * own.dimension;

@@ -12,9 +12,8 @@ namespace quiver {
 /// type. Directions that nothing measures are damped so, and huge entries do not overflow.
 ///
 /// Entries shrink by half a step at most, and not at all after a step that brought little: where a derivative goes
-/// through zero, a step measured by it alone is the longer the less it can bring, and the descent would stay there.
-/// Moré
-/// ("The Levenberg–Marquardt algorithm: implementation and theory", 1978) keeps the largest entry for ever, which costs
+/// through zero, a step measured by it alone is the longer the less it can bring, and the descent would stay there. To
+/// keep the largest entry for ever (Moré, "The Levenberg–Marquardt algorithm: implementation and theory", 1978) costs
 /// bundle adjustment many steps: points that were near a camera at first stay stiff.
 class DampingScale {
  public:

@@ -163,9 +163,9 @@ BlockCholesky::Failure BlockCholesky::factorTask(std::int64_t task, const Input&
 
 UpcomingMemory BlockCholesky::upcomingAfter(int node, int end) {
   if (node + 1 >= end) return {};
-  const double* const begin = values_.data() + plan_.storage[node + 1].values;
-  return {begin,
-          std::min(begin + mostUpcoming, static_cast<const double*>(values_.data() + plan_.storage[node + 2].values))};
+  const std::int64_t first = plan_.storage[node + 1].values;
+  const double* const begin = values_.data() + first;
+  return {begin, begin + std::min(mostUpcoming, plan_.storage[node + 2].values - first)};
 }
 
 BlockCholesky::Failure BlockCholesky::factorNode(int node, const Input& input, const Worker& worker) {

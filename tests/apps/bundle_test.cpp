@@ -32,7 +32,7 @@ class Bundle : public CommandTest {
 
 TEST_F(Bundle, LadybugFromTheFile) {
   const std::string file = ladybug();
-  if (file.empty()) GTEST_SKIP() << "ladybug-49-7776.txt is not there";
+  if (file.empty()) GTEST_SKIP() << whyMissing("ladybug-49-7776.txt");
   const Json report = optimize(file + " --iterations 20 --algorithm lm -o ladybug.bal");
   EXPECT_EQ(report["input"]["format"], "bal");
   EXPECT_NEAR(0.5 * report["initial_chi2"].get<double>(), 850912.46, 0.01);
@@ -45,7 +45,7 @@ TEST_F(Bundle, LadybugFromTheFile) {
 
 TEST_F(Bundle, EverySubcommandTakesIt) {
   const std::string file = ladybug();
-  if (file.empty()) GTEST_SKIP() << "ladybug-49-7776.txt is not there";
+  if (file.empty()) GTEST_SKIP() << whyMissing("ladybug-49-7776.txt");
   EXPECT_EQ(run("convert " + file + " a.bal.gz").exitCode, 0);
   EXPECT_EQ(run("convert a.bal.gz a.g2o").exitCode, 0);
   EXPECT_EQ(run("convert a.g2o a.bal.bz2").exitCode, 0);

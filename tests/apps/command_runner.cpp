@@ -78,4 +78,8 @@ std::string publishedGraph(const std::string& name) {
   return !data.empty() && std::filesystem::exists(path) ? path.string() : "";
 }
 
+std::string whyMissing(const std::string& file) {
+  return file + " is not there: published files are not ours to pass on, so a clone alone does not have them";
+}
+
 }  // namespace quiver::test

@@ -38,6 +38,8 @@ class CommandTest : public testing::Test {
 /// The published graph of that name, beside the checkout or where QUIVER_DATA points; empty if there is none. Tests of
 /// published graphs are skipped then: the files are not ours to pass on, so a clone alone does not have them.
 std::string publishedGraph(const std::string& name);
+/// Why a test that needs such a file is skipped.
+std::string whyMissing(const std::string& file);
 
 /// A square of four poses in the plane, the last one off its place, with a loop closure; vertex 0 is not fixed.
 extern const char* const square;

@@ -20,7 +20,7 @@ class PublishedGraphs : public CommandTest {
 
 #define REPORT_OR_SKIP(report, name, flags)       \
   const Json report = optimizeGraph(name, flags); \
-  if (report.is_null()) GTEST_SKIP() << name << ".g2o is not there"
+  if (report.is_null()) GTEST_SKIP() << whyMissing(std::string(name) + ".g2o")
 
 /// What a published file's own estimates have, to the digits published.
 struct InitialChi2 {
@@ -133,7 +133,7 @@ TEST_F(PublishedGraphs, SameBitsForAnyThreads) {
 
 TEST_F(PublishedGraphs, SaveTheBestEstimateWhenTimeIsUp) {
   const std::string path = publishedGraph("torus3D");
-  if (path.empty()) GTEST_SKIP() << "torus3D.g2o is not there";
+  if (path.empty()) GTEST_SKIP() << whyMissing("torus3D.g2o");
   const Json report = optimize("'" + path + "' --time-limit 0.1 --init file -o out.g2o", 5);
   EXPECT_EQ(report["status"], "time_limit");
   EXPECT_TRUE(exists("out.g2o"));

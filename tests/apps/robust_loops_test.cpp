@@ -34,7 +34,7 @@ class RobustLoops : public CommandTest {
 
 TEST_F(RobustLoops, OfATenthM3500EndsAsNearTheTruthAsTheCleanGraph) {
   const std::string path = publishedGraph("M3500");
-  if (path.empty()) GTEST_SKIP() << "M3500.g2o is not there";
+  if (path.empty()) GTEST_SKIP() << whyMissing("M3500.g2o");
   double worst = 0.0;
   const Eigen::MatrixXd truth = latticeTruth(readGraph(path, builtinRegistry()), worst);
   ASSERT_LT(worst, 0.2) << "the world is no lattice";
@@ -44,7 +44,7 @@ TEST_F(RobustLoops, OfATenthM3500EndsAsNearTheTruthAsTheCleanGraph) {
 
 TEST_F(RobustLoops, OfATenthSphere2500EndsWhereTheCleanGraphDoes) {
   const std::string path = publishedGraph("sphere2500");
-  if (path.empty()) GTEST_SKIP() << "sphere2500.g2o is not there";
+  if (path.empty()) GTEST_SKIP() << whyMissing("sphere2500.g2o");
   const Eigen::MatrixXd best = clean(path);
   // The truth is some trajectory on a sphere, so the clean one errs by its distance from the sphere at least, and a
   // result that departs from it by less than a fifth of that errs less than 1.2 times as much.
